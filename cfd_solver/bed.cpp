@@ -1,0 +1,84 @@
+#include "bed.hpp"
+
+#include "OSspecific.H"
+
+#include <iomanip>
+
+using namespace Foam;
+
+namespace hotbed
+{
+
+Bed::Bed(const Time& runTime, const Coupling& coupling, const Dem& dem, const Gas& gas)
+    : runTime_(runTime), coupling_(coupling), dem_(dem), gas_(gas)
+{
+    if (coupling_.heat())
+    {
+        gasEnergyAtStart_ = gasEnergy_ = gas_.energyContent();
+        particleEnergyAtStart_ = particleEnergy_ = particleEnergy();
+    }
+    if (!Pstream::master()) return;
+    const fileName folder = runTime_.globalPath() / "postProcessing" / "hotbed" / runTime_.timeName();
+    mkDir(folder);
+    csv_.open(folder / "bed.csv");
+    csv_ << "time_s,particles";
+    if (coupling_.heat())
+        csv_ << ",T_mean_K,T_min_K,T_max_K,Nu_mean,gas_T_min_K,gas_T_max_K,gas_energy_J,particle_energy_J,inflow_J,"
+                "exchanged_J,budget_error";
+    csv_ << '\n' << std::setprecision(17);
+}
+
+double Bed::particleEnergy() const
+{
+    double sum = 0;
+    for (int i = 0; i < dem_.size(); ++i) sum += dem_.heatCapacity(i) * dem_.temperature()[i];
+    reduce(sum, sumOp<double>());
+    return sum;
+}
+
+void Bed::record()
+{
+    const label particles = returnReduce(label(dem_.size()), sumOp<label>());
+    if (csv_.is_open()) csv_ << runTime_.value() << ',' << particles;
+    if (coupling_.heat())
+    {
+        double sum = 0, low = GREAT, high = -GREAT, nusselt = 0;
+        for (int i = 0; i < dem_.size(); ++i)
+        {
+            const double T = dem_.temperature()[i];
+            sum += T;
+            low = std::min(low, T);
+            high = std::max(high, T);
+            nusselt += dem_.nusselt()[i];
+        }
+        reduce(sum, sumOp<double>());
+        reduce(nusselt, sumOp<double>());
+        reduce(low, minOp<double>());
+        reduce(high, maxOp<double>());
+        gasEnergy_ = gas_.energyContent();
+        particleEnergy_ = particleEnergy();
+        inflow_ += gas_.energyInflow();
+        exchanged_ += coupling_.heatExchanged();
+        const scalar gasLow = gMin(gas_.T().primitiveField()), gasHigh = gMax(gas_.T().primitiveField());
+        const double change = gasEnergy_ - gasEnergyAtStart_ + particleEnergy_ - particleEnergyAtStart_;
+        const double error = exchanged_ > 0 ? (change - inflow_) / exchanged_ : 0.0;
+        if (csv_.is_open())
+            csv_ << ',' << sum / particles << ',' << low << ',' << high << ',' << nusselt / particles << ',' << gasLow
+                 << ',' << gasHigh << ',' << gasEnergy_ << ',' << particleEnergy_ << ',' << inflow_ << ','
+                 << exchanged_ << ',' << error;
+    }
+    if (csv_.is_open()) csv_ << '\n';
+}
+
+void Bed::report(Ostream& out) const
+{
+    if (!coupling_.heat()) return;
+    const double gas = gasEnergy_ - gasEnergyAtStart_, particles = particleEnergy_ - particleEnergyAtStart_;
+    out << "Energy budget [J]" << nl << "    gained by the gas           " << gas << nl
+        << "    gained by the particles     " << particles << nl << "    came in with the gas        " << inflow_ << nl
+        << "    exchanged gas-particles     " << exchanged_ << nl << "    not accounted for           "
+        << gas + particles - inflow_ << " = "
+        << (exchanged_ > 0 ? (gas + particles - inflow_) / exchanged_ : 0.0) << " of the exchange" << nl;
+}
+
+} // namespace hotbed

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "coupling.hpp"
+
+#include <fstream>
+
+namespace hotbed
+{
+
+/// Bed quantities and the energy budget in time, as postProcessing/hotbed/<start>/bed.csv and at the end of the log.
+class Bed
+{
+public:
+    Bed(const Foam::Time& runTime, const Coupling& coupling, const Dem& dem, const Gas& gas);
+
+    /// One line, after a step.
+    void record();
+
+    /// The closing budget.
+    void report(Foam::Ostream& out) const;
+
+private:
+    double particleEnergy() const;
+
+    const Foam::Time& runTime_;
+    const Coupling& coupling_;
+    const Dem& dem_;
+    const Gas& gas_;
+    std::ofstream csv_;
+
+    double gasEnergyAtStart_ = 0, particleEnergyAtStart_ = 0;
+    double gasEnergy_ = 0, particleEnergy_ = 0, inflow_ = 0, exchanged_ = 0; ///< [J]
+};
+
+} // namespace hotbed

@@ -1,0 +1,326 @@
+#include "coupling.hpp"
+
+#include "closures.hpp"
+#include "meshSearch.H"
+#include "relaxation.hpp"
+
+#include <cmath>
+
+using namespace Foam;
+
+namespace hotbed
+{
+namespace
+{
+
+/// the axis-aligned box of a cell, and whether the cell fills it
+bool cellBox(const fvMesh& mesh, label c, Box& box)
+{
+    const boundBox bounds(mesh.points(), mesh.cellPoints()[c], false);
+    for (int a = 0; a < 3; ++a)
+    {
+        box.low[a] = bounds.min()[a];
+        box.high[a] = bounds.max()[a];
+    }
+    const scalar volume = bounds.volume();
+    return mag(volume - mesh.V()[c]) < 1e-9 * volume;
+}
+
+constexpr int gasFields = 8;  // voidage, U, rho, mu, kappa, Cp: one cache line a cell
+constexpr int heatSums = 7;   // G, X, G T, G decay, G x
+constexpr int readFields = 5; // T - grad T . x, grad T, what the early share adds
+
+} // namespace
+
+Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing)
+    : settings_(settings), mesh_(mesh), dem_(dem), gas_(gas), timing_(timing),
+      heat_(settings.heatTransfer && dem.heat()), halfExtent_(mesh.nCells()),
+      mapping_(MPI_COMM_WORLD, makeCells(settings))
+{
+}
+
+std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& settings)
+{
+    std::vector<Box> boxes(mesh_.nCells());
+    bool allBoxes = true;
+    for (label c = 0; c < mesh_.nCells(); ++c)
+    {
+        allBoxes = cellBox(mesh_, c, boxes[c]) && allBoxes;
+        for (int a = 0; a < 3; ++a) halfExtent_[c][a] = 0.5 * (boxes[c].high[a] - boxes[c].low[a]);
+    }
+    reduce(allBoxes, andOp<bool>());
+    const boundBox& whole = mesh_.bounds(); // over all ranks
+    if (allBoxes)
+    {
+        Info << "Mapping: box cells, exact kernel integrals" << nl;
+        Box domain;
+        if (mag(gSum(mesh_.V()) - whole.volume()) < 1e-9 * whole.volume())
+            for (int a = 0; a < 3; ++a)
+            {
+                domain.low[a] = whole.min()[a];
+                domain.high[a] = whole.max()[a];
+            }
+        return std::make_unique<BoxCells>(boxes, domain);
+    }
+    Info << "Mapping: cells of any shape, kernel sampled at " << settings.kernelSamples << "^3 points" << nl;
+    Box bounds;
+    if (mesh_.nCells())
+    {
+        const boundBox mine(mesh_.points(), false);
+        for (int a = 0; a < 3; ++a)
+        {
+            bounds.low[a] = mine.min()[a];
+            bounds.high[a] = mine.max()[a];
+        }
+    }
+    auto search = std::make_shared<meshSearch>(mesh_);
+    return std::make_unique<SampledCells>(
+        int(mesh_.nCells()), bounds,
+        [search](const Point& x) { return int(search->findCell(point(x[0], x[1], x[2]))); },
+        settings.kernelSamples);
+}
+
+void Coupling::refuseOutside(const std::vector<char>& inside) const
+{
+    label outside = 0;
+    label first = -1;
+    for (std::size_t i = 0; i < inside.size(); ++i)
+        if (!inside[i])
+        {
+            if (first < 0) first = label(i);
+            ++outside;
+        }
+    if (first >= 0)
+    {
+        const double* x = dem_.position()[first];
+        Pout << "particle " << dem_.tag()[first] << " at (" << x[0] << ' ' << x[1] << ' ' << x[2]
+             << ") lies outside the mesh" << endl;
+    }
+    reduce(outside, sumOp<label>());
+    if (outside)
+        FatalErrorInFunction << outside << " particles of " << settings_.demScript
+                             << " lie outside the mesh " << mesh_.bounds()
+                             << ": place them inside it, or enlarge the mesh in system/blockMeshDict"
+                             << exit(FatalError);
+}
+
+void Coupling::map()
+{
+    if (mapped_ && !dem_.moving()) return;
+    {
+        const auto time = timing_.measure("weights");
+        const int n = dem_.size();
+        halfWidth_.resize(n);
+        double widest = 0.0;
+        for (int i = 0; i < n; ++i)
+        {
+            halfWidth_[i] = 0.5 * (settings_.windowLength > 0 ? settings_.windowLength
+                                                              : settings_.kernelWidth * 2.0 * dem_.radius()[i]);
+            widest = std::max(widest, halfWidth_[i]);
+        }
+        refuseOutside(mapping_.update({n, dem_.position(), halfWidth_.data()}));
+        if (!mapped_)
+        {
+            reduce(widest, maxOp<double>());
+            if (2.0 * widest > cmptMin(mesh_.bounds().span()))
+                WarningInFunction << "the kernel is " << 2.0 * widest << " m wide, wider than the domain "
+                                  << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
+                                  << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
+        }
+    }
+    const auto time = timing_.measure("voidage");
+    const int n = dem_.size();
+    std::vector<double> volume(n);
+    for (int i = 0; i < n; ++i) volume[i] = 4.0 / 3.0 * M_PI * std::pow(dem_.radius()[i], 3);
+    std::vector<double> solids(mesh_.nCells(), 0.0);
+    mapping_.deposit<1>(mapping_.toCopies(1, volume.data()), solids.data());
+    volScalarField& voidage = gas_.voidage();
+    for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - solids[c] / mesh_.V()[c];
+    const scalar least = gMin(voidage.primitiveField());
+    if (!(least > 0.01))
+        FatalErrorInFunction << "the voidage of a cell is " << least
+                             << ": the particles overlap too much, or the kernel is too narrow for the cells (set a "
+                             << "larger kernelWidth in constant/couplingProperties)" << exit(FatalError);
+    voidage.correctBoundaryConditions();
+    mapped_ = true;
+}
+
+void Coupling::particlesToGas()
+{
+    closures();
+    if (heat_) heatToGas();
+}
+
+void Coupling::closures()
+{
+    const double* at;
+    const int n = dem_.size();
+    {
+        const auto time = timing_.measure("gas at particles");
+        const scalarField& voidage = gas_.voidage();
+        const vectorField& U = gas_.U();
+        const fluidThermo& thermo = gas_.thermo();
+        const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), kappa = thermo.kappa(), Cp = thermo.Cp();
+        std::vector<double> cell(std::size_t(mesh_.nCells()) * gasFields);
+        for (label c = 0; c < mesh_.nCells(); ++c)
+        {
+            double* f = &cell[std::size_t(c) * gasFields];
+            f[0] = voidage[c];
+            for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
+            f[4] = rho()[c];
+            f[5] = mu()[c];
+            f[6] = kappa()[c];
+            f[7] = Cp()[c];
+        }
+        at = mapping_.interpolate<gasFields>(cell.data());
+    }
+    {
+        const auto time = timing_.measure("closures");
+        const double l = dem_.ratio();
+        const double(*v)[3] = dem_.velocity();
+        drag_.resize(std::size_t(n) * 4);
+        conductance_.resize(heat_ ? n : 0);
+        for (int i = 0; i < n; ++i)
+        {
+            const double* g = at + std::size_t(i) * gasFields;
+            const double voidage = g[0], rho = g[4], mu = g[5];
+            const double d = 2.0 * dem_.radius()[i] / l;
+            const double slip = std::hypot(g[1] - v[i][0], g[2] - v[i][1], g[3] - v[i][2]);
+            const double reynolds = voidage * rho * slip * d / mu;
+            const double B = settings_.drag ? dragCoefficient(beetstra(voidage, reynolds), mu, voidage, d, l) : 0.0;
+            drag_[std::size_t(i) * 4] = B;
+            for (int a = 0; a < 3; ++a) drag_[std::size_t(i) * 4 + 1 + a] = B * v[i][a];
+            if (!heat_) continue;
+            const double nusselt = gunn(voidage, reynolds, mu * g[7] / g[6]);
+            dem_.nusselt()[i] = nusselt;
+            conductance_[i] = heatConductance(nusselt, g[6], d, l);
+        }
+    }
+    const auto time = timing_.measure("drag to gas");
+    Exchange& exchange = gas_.exchange();
+    std::vector<double> sums(std::size_t(mesh_.nCells()) * 4, 0.0);
+    mapping_.deposit<4>(mapping_.toCopies(4, drag_.data()), sums.data());
+    for (label c = 0; c < mesh_.nCells(); ++c)
+    {
+        exchange.drag[c] = sums[std::size_t(c) * 4];
+        for (int a = 0; a < 3; ++a) exchange.dragSource[c][a] = sums[std::size_t(c) * 4 + 1 + a];
+    }
+}
+
+/// The particle's exact answer to a gas temperature that is linear in time (relaxation.hpp), pair by pair:
+/// cell c gets  w [G (T_i - T_c') - early_c X (T_c - T_c')]  with G = m c gain / dt, X = m c early / dt. The share
+/// early_c of the first-order term is 1 wherever that keeps the gas bounded and a closed pair from passing its
+/// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff.
+void Coupling::heatToGas()
+{
+    const auto time = timing_.measure("heat to gas");
+    const double dt = mesh_.time().deltaTValue();
+    const int n = dem_.size();
+    const double* T = dem_.temperature();
+    heatGiven_.resize(std::size_t(n) * 4);
+    for (int i = 0; i < n; ++i)
+    {
+        const double mc = dem_.heatCapacity(i);
+        const double b = conductance_[i] * dt / mc;
+        const Relaxation r = relaxation(b);
+        double* give = &heatGiven_[std::size_t(i) * 4];
+        give[0] = mc * r.gain / dt;
+        give[1] = mc * r.early / dt;
+        give[2] = T[i];
+        give[3] = std::exp(-b);
+    }
+    const double* copy = mapping_.toCopies(4, heatGiven_.data());
+
+    cellHeat_.assign(std::size_t(mesh_.nCells()) * heatSums, 0.0);
+    for (int k = 0; k < mapping_.copies(); ++k)
+    {
+        const double* give = copy + std::size_t(k) * 4;
+        const Point& x = mapping_.copyPosition(k);
+        const double value[heatSums] = {give[0],        give[1],        give[0] * give[2], give[0] * give[3],
+                                        give[0] * x[0], give[0] * x[1], give[0] * x[2]};
+        for (auto e = mapping_.start()[k]; e < mapping_.start()[k + 1]; ++e)
+        {
+            const double w = mapping_.weight()[e];
+            double* sum = &cellHeat_[std::size_t(mapping_.cell()[e]) * heatSums];
+            for (int f = 0; f < heatSums; ++f) sum[f] += w * value[f];
+        }
+    }
+
+    temperatureBefore_ = gas_.T().primitiveField();
+    const scalarField capacity(gas_.heatCapacity());
+    early_.resize(mesh_.nCells());
+    Exchange& exchange = gas_.exchange();
+    for (label c = 0; c < mesh_.nCells(); ++c)
+    {
+        const double* sum = &cellHeat_[std::size_t(c) * heatSums];
+        const double G = sum[0], X = sum[1];
+        early_[c] = X > 0.0 ? std::min(1.0, capacity[c] / dt * (sum[3] / G) / X) : 0.0;
+        exchange.conductance[c] = G - early_[c] * X;
+        exchange.heatSource[c] = sum[2] - early_[c] * X * temperatureBefore_[c];
+    }
+}
+
+void Coupling::gasToParticles()
+{
+    if (!heat_) return;
+    const auto time = timing_.measure("heat to particles");
+    const scalarField& T = gas_.exchangeTemperature();
+
+    // The gas temperature at the particle rather than at its cells: a linear profile about the exchange-weighted
+    // centre of the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the
+    // range of the gas. Without it the kernel spreads heat fronts like a conduction that grows with l.
+    vectorField gradient(mesh_.nCells(), Zero);
+    if (settings_.temperatureGradient)
+    {
+        gradient = fvc::grad(gas_.T())().primitiveField();
+        double reach = 0.0;
+        for (const double n : halfWidth_) reach = std::max(reach, n);
+        reduce(reach, maxOp<double>());
+        scalar lowest = min(gMin(T), gMin(gas_.T())), highest = max(gMax(T), gMax(gas_.T()));
+        for (label c = 0; c < mesh_.nCells(); ++c)
+        {
+            const double* sum = &cellHeat_[std::size_t(c) * heatSums];
+            if (!(sum[0] > 0.0)) continue;
+            scalar change = 0.0; // the most that a particle of this cell can be off its reading
+            for (int a = 0; a < 3; ++a)
+                change += mag(gradient[c][a]) *
+                          (reach + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
+            const scalar room = max(min(T[c] - lowest, highest - T[c]), 0.0);
+            if (change > room) gradient[c] *= room / change;
+        }
+    }
+
+    std::vector<double> cell(std::size_t(mesh_.nCells()) * readFields, 0.0);
+    for (label c = 0; c < mesh_.nCells(); ++c)
+    {
+        const double* sum = &cellHeat_[std::size_t(c) * heatSums];
+        double* f = &cell[std::size_t(c) * readFields];
+        f[0] = T[c];
+        if (sum[0] > 0.0)
+            for (int a = 0; a < 3; ++a)
+            {
+                f[0] -= gradient[c][a] * sum[4 + a] / sum[0];
+                f[1 + a] = gradient[c][a];
+            }
+        f[4] = early_[c] * (temperatureBefore_[c] - T[c]);
+    }
+    const double* read = mapping_.interpolate<readFields>(cell.data());
+
+    const double dt = mesh_.time().deltaTValue();
+    const double(*x)[3] = dem_.position();
+    const int n = dem_.size();
+    heatReceived_.resize(n);
+    heatExchanged_ = 0.0;
+    for (int i = 0; i < n; ++i)
+    {
+        const double* r = read + std::size_t(i) * readFields;
+        const double* given = &heatGiven_[std::size_t(i) * 4];
+        const double gas = r[0] + r[1] * x[i][0] + r[2] * x[i][1] + r[3] * x[i][2];
+        heatReceived_[i] = dt * (given[0] * (gas - given[2]) + given[1] * r[4]);
+        heatExchanged_ += std::abs(heatReceived_[i]);
+    }
+    reduce(heatExchanged_, sumOp<double>());
+    dem_.receive(heatReceived_.data());
+}
+
+} // namespace hotbed

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "gas.hpp"
+#include "settings.hpp"
+
+#include "dem.hpp"
+#include "mapping.hpp"
+#include "timing.hpp"
+
+namespace hotbed
+{
+
+/// Joins the particles of the DEM with the gas, both ways, every gas step: what leaves one phase is what reaches the
+/// other, cell by cell and particle by particle, to round-off.
+class Coupling
+{
+public:
+    Coupling(const CouplingSettings& settings, const Foam::fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing);
+
+    bool heat() const { return heat_; }
+
+    /// Weights and voidage for where the particles are now.
+    void map();
+
+    /// Closures at the particles; drag and heat exchange coefficients to the gas.
+    void particlesToGas();
+
+    /// Heat to the particles from the gas at the end of its step.
+    void gasToParticles();
+
+    /// Sum over all particles and ranks of |heat| exchanged in the last step [J].
+    double heatExchanged() const { return heatExchanged_; }
+
+    const Mapping& mapping() const { return mapping_; }
+
+private:
+    std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
+    void closures();
+    void heatToGas();
+    void refuseOutside(const std::vector<char>& inside) const;
+
+    const CouplingSettings settings_;
+    const Foam::fvMesh& mesh_;
+    Dem& dem_;
+    Gas& gas_;
+    Timing& timing_;
+    const bool heat_;
+    Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
+    Mapping mapping_;
+    bool mapped_ = false;
+
+    std::vector<double> halfWidth_;       ///< kernel, by particle [m]
+    std::vector<double> drag_;            ///< by particle: B, B v (moving particles only)
+    std::vector<double> heatGiven_;       ///< by particle: G, X, T, decay; see heatToGas
+    std::vector<double> conductance_;     ///< h A, by particle [W/K]
+    std::vector<double> heatReceived_;    ///< heat received over a step, by particle [J]
+    std::vector<double> cellHeat_;        ///< by cell: sum w of G, X, G T, G decay, G x (3)
+    std::vector<double> early_;           ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
+    Foam::scalarField temperatureBefore_;
+    double heatExchanged_ = 0;
+};
+
+} // namespace hotbed

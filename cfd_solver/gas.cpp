@@ -1,0 +1,220 @@
+#include "gas.hpp"
+
+#include "CMULES.H"
+#include "closures.hpp"
+#include "constrainHbyA.H"
+#include "constrainPressure.H"
+#include "gaussConvectionScheme.H"
+#include "upwind.H"
+
+using namespace Foam;
+
+namespace hotbed
+{
+namespace
+{
+
+IOobject inputOutput(const word& name, const fvMesh& mesh, IOobject::readOption read, IOobject::writeOption write)
+{
+    return IOobject(name, mesh.time().timeName(), mesh, read, write);
+}
+
+IOobject gravityFile(const fvMesh& mesh)
+{
+    return IOobject("g", mesh.time().constant(), mesh, IOobject::MUST_READ, IOobject::NO_WRITE);
+}
+
+} // namespace
+
+Gas::Gas(fvMesh& mesh, bool energy)
+    : mesh_(mesh), energyOn_(energy), pimple_(mesh), thermo_(fluidThermo::New(mesh)), p_(thermo_->p()),
+      voidage_(inputOutput("voidage", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), mesh,
+               dimensionedScalar("voidage", dimless, 1.0), zeroGradientFvPatchScalarField::typeName),
+      rho_(inputOutput("rho", mesh, IOobject::NO_READ, IOobject::NO_WRITE), thermo_->rho()),
+      U_(inputOutput("U", mesh, IOobject::MUST_READ, IOobject::AUTO_WRITE), mesh),
+      mass_(inputOutput("gasMass", mesh, IOobject::NO_READ, IOobject::NO_WRITE), voidage_ * rho_),
+      phi_(inputOutput("phi", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), fvc::flux(mass_ * U_)),
+      g_(gravityFile(mesh)), exchangeTemperature_(thermo_->T().primitiveField())
+{
+    thermo_->validate("hotbedFoam", "h");
+    mesh_.setFluxRequired(p_.name());
+    setRefCell(p_, pimple_.dict(), pressureCell_, pressureValue_);
+    const label n = mesh.nCells();
+    exchange_.drag.setSize(n, 0.0);
+    exchange_.dragSource.setSize(n, Zero);
+    exchange_.conductance.setSize(n, 0.0);
+    exchange_.heatSource.setSize(n, 0.0);
+}
+
+void Gas::initialise()
+{
+    voidage_.correctBoundaryConditions();
+    U_.correctBoundaryConditions(); // the interstitial inlet velocity follows the voidage
+    mass_ = voidage_ * rho_;
+    phi_ = fvc::flux(mass_ * U_);
+    // the turbulence model sees voidage * rho as its density: then its equations are those of the bed
+    turbulence_ = compressible::turbulenceModel::New(mass_, U_, phi_, *thermo_);
+    turbulence_->validate();
+    if (energyOn_)
+        enthalpyFlux_.reset(new surfaceScalarField("enthalpyFlux", fvc::flux(phi_, thermo_->he(), "div(phi,h)")));
+}
+
+void Gas::advance()
+{
+    mass_.oldTime();
+    voidage_.correctBoundaryConditions();
+    while (pimple_.loop())
+    {
+        momentum();
+        while (pimple_.correct()) pressure();
+        if (energyOn_) energy();
+        if (pimple_.turbCorr()) turbulence_->correct();
+    }
+    if (energyOn_) enthalpyFlux_() = fvc::flux(phi_, thermo_->he(), "div(phi,h)");
+}
+
+void Gas::continuity()
+{
+    // eq 1, explicit: what phi brings is what the cell holds, to round-off
+    solve(fvm::ddt(mass_) + fvc::div(phi_));
+}
+
+void Gas::momentum()
+{
+    continuity();
+    U_.correctBoundaryConditions();
+
+    const volScalarField mu("muEff", voidage_ * thermo_->mu() + turbulence_->mut());
+    UEqn_ = fvm::ddt(mass_, U_) + fvm::div(phi_, U_) - fvm::laplacian(mu, U_) -
+            fvc::div(mu * dev2(Foam::T(fvc::grad(U_))), "div((muEff*dev2(T(grad(U)))))");
+    fvVectorMatrix& UEqn = UEqn_.ref();
+    UEqn.diag() += exchange_.drag;
+    UEqn.source() += exchange_.dragSource;
+    if (mag(g_.value()) > 0) UEqn.source() += mass_.primitiveField() * g_.value() * mesh_.V();
+    UEqn.relax();
+
+    if (pimple_.momentumPredictor()) solve(UEqn == -voidage_ * fvc::grad(p_));
+}
+
+void Gas::pressure()
+{
+    rho_ = thermo_->rho();
+    const volScalarField psip0(thermo_->psi() * p_);
+    fvVectorMatrix& UEqn = UEqn_.ref();
+    const volScalarField rAU("rAU", 1.0 / UEqn.A());
+    const volVectorField HbyA(constrainHbyA(rAU * UEqn.H(), U_, p_));
+    const volScalarField mass(voidage_ * rho_);
+    const surfaceScalarField massf(fvc::interpolate(mass));
+    const surfaceScalarField rAUf("rAUf", massf * fvc::interpolate(voidage_ * rAU));
+
+    surfaceScalarField phiHbyA("phiHbyA", massf * fvc::flux(HbyA) +
+                                              massf * fvc::interpolate(rAU) * fvc::ddtCorr(mass_, U_, phi_));
+    constrainPressure(p_, mass, U_, phiHbyA, rAUf);
+
+    const dimensionedScalar rDeltaT = 1.0 / mesh_.time().deltaT();
+    const volScalarField compressibility(voidage_ * thermo_->psi() * rDeltaT);
+    const volScalarField storage((mass - mass_.oldTime()) * rDeltaT - compressibility * p_);
+    while (pimple_.correctNonOrthogonal())
+    {
+        fvScalarMatrix pEqn(fvm::Sp(compressibility, p_) + storage + fvc::div(phiHbyA) - fvm::laplacian(rAUf, p_));
+        pEqn.setReference(pressureCell_, pressureValue_);
+        pEqn.solve(mesh_.solver(p_.select(pimple_.finalInnerIter())));
+        if (pimple_.finalNonOrthogonalIter()) phi_ = phiHbyA + pEqn.flux();
+    }
+    p_.relax();
+    U_ = HbyA - rAU * voidage_ * fvc::grad(p_);
+    U_.correctBoundaryConditions();
+    thermo_->correctRho(thermo_->psi() * p_ - psip0); // density at the new pressure
+    continuity();
+}
+
+tmp<volScalarField> Gas::diffusivity() const
+{
+    // eq 11, 12 on the enthalpy: voidage * k_eff / c_p
+    tmp<volScalarField> t(new volScalarField("alphaEff", voidage_ * thermo_->kappa() / thermo_->Cp()));
+    volScalarField& alpha = t.ref();
+    forAll(alpha, c) alpha[c] *= effectiveConductivity(voidage_[c]);
+    forAll(alpha.boundaryField(), patch)
+    {
+        scalarField& face = alpha.boundaryFieldRef()[patch];
+        const scalarField& voidage = voidage_.boundaryField()[patch];
+        forAll(face, f) face[f] *= effectiveConductivity(voidage[f]);
+    }
+    alpha += turbulence_->alphat();
+    return t;
+}
+
+/// Eq 7, bounded by construction: an implicit upwind step whose matrix has no negative influence, then the difference
+/// to the scheme of the dictionary, averaged over the step (second order in time), as far as it makes no new extremum
+/// (flux-corrected transport with OpenFOAM's MULES limiter). Twice, since the second pass sees the first one's result.
+void Gas::energy()
+{
+    volScalarField& h = thermo_->he();
+    const scalar dt = mesh_.time().deltaTValue();
+    const scalarField& V = mesh_.V();
+    const scalarField Cp(thermo_->Cp()->primitiveField());
+    const scalarField h0(h.primitiveField());
+    const scalarField T0(thermo_->T().primitiveField());
+    const scalarField implicitPart(exchange_.conductance / Cp); // per enthalpy [kg/s]
+
+    const tmp<volScalarField> alpha = diffusivity();
+    const fv::gaussConvectionScheme<scalar> convection(mesh_, phi_, tmp<surfaceInterpolationScheme<scalar>>(
+                                                                        new upwind<scalar>(mesh_, phi_)));
+    fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - fvm::laplacian(alpha(), h));
+    hEqn.diag() += implicitPart;
+    hEqn.source() += exchange_.heatSource - exchange_.conductance * T0 + implicitPart * h0;
+    hEqn.solve(mesh_.solver(h.select(pimple_.finalInnerIter())));
+
+    // what crosses the boundary is what the matrix saw
+    energyInflow_ = 0;
+    forAll(h.boundaryField(), patch)
+    {
+        if (mesh_.boundary()[patch].coupled()) continue;
+        const fvPatchScalarField& face = h.boundaryField()[patch];
+        energyInflow_ -= dt * sum(phi_.boundaryField()[patch] * face -
+                                  alpha().boundaryField()[patch] * mesh_.magSf().boundaryField()[patch] * face.snGrad());
+    }
+    reduce(energyInflow_, sumOp<scalar>());
+
+    surfaceScalarField used("used", convection.flux(phi_, h));
+    const volScalarField::Internal Sp(IOobject("Sp", mesh_.time().timeName(), mesh_), mesh_, dimDensity / dimTime,
+                                      scalarField(-implicitPart / V));
+    const scalarField& sp = Sp.field();
+    const scalarField highest(h.size(), gMax(h)), lowest(h.size(), gMin(h));
+    for (int pass = 0; pass < 2; ++pass)
+    {
+        const surfaceScalarField wanted(0.5 * (fvc::flux(phi_, h, "div(phi,h)") + enthalpyFlux_()));
+        surfaceScalarField correction("correction", wanted - used);
+        forAll(correction.boundaryField(), patch)
+            if (!mesh_.boundary()[patch].coupled()) correction.boundaryFieldRef()[patch] = 0.0;
+        const volScalarField::Internal Su(IOobject("Su", mesh_.time().timeName(), mesh_), mesh_, dimless,
+                                          scalarField(-sp * h.primitiveField()));
+        MULES::limitCorr(1.0 / dt, mass_, h, phi_, correction, Sp, Su, highest, lowest);
+        scalarField divergence(h.size(), 0.0);
+        fvc::surfaceIntegrate(divergence, correction);
+        h.primitiveFieldRef() -= divergence / (mass_.primitiveField() / dt - sp);
+        h.correctBoundaryConditions();
+        used += correction;
+    }
+
+    exchangeTemperature_ = T0 + (h.primitiveField() - h0) / Cp;
+    thermo_->correct();
+}
+
+tmp<scalarField> Gas::heatCapacity() const
+{
+    return mass_.primitiveField() * thermo_->Cp()->primitiveField() * mesh_.V();
+}
+
+scalar Gas::courantNumber() const
+{
+    const scalarField sumPhi(fvc::surfaceSum(mag(phi_))->primitiveField());
+    return 0.5 * gMax(scalarField(sumPhi / (mass_.primitiveField() * mesh_.V()))) * mesh_.time().deltaTValue();
+}
+
+scalar Gas::energyContent() const
+{
+    return gSum(scalarField(mass_.primitiveField() * thermo_->he().primitiveField() * mesh_.V()));
+}
+
+} // namespace hotbed

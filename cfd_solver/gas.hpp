@@ -1,0 +1,80 @@
+#pragma once
+
+#include "fvCFD.H"
+#include "fluidThermo.H"
+#include "turbulentFluidThermoModel.H"
+#include "pimpleControl.H"
+
+namespace hotbed
+{
+
+/// What the particles do to the gas in one step, by cell. Owned by the gas, filled by the coupling.
+struct Exchange
+{
+    Foam::scalarField drag;             ///< sum w B: implicit drag coefficient [kg/s]
+    Foam::vectorField dragSource;       ///< sum w B v [N]
+    Foam::scalarField conductance;      ///< implicit heat exchange coefficient [W/K]
+    Foam::scalarField heatSource;       ///< explicit part of the heat given by the particles [W]
+};
+
+/// The gas: volume-averaged compressible Navier-Stokes with voidage (eq 1-3, 7), on OpenFOAM's thermophysical and
+/// turbulence libraries. Velocity U is the interstitial one; phi is the mass flux voidage * rho * U.
+class Gas
+{
+public:
+    /// @param energy whether the energy equation is solved
+    Gas(Foam::fvMesh& mesh, bool energy);
+
+    Foam::volScalarField& voidage() { return voidage_; }
+    const Foam::volVectorField& U() const { return U_; }
+    const Foam::volScalarField& T() const { return thermo_->T(); }
+    const Foam::fluidThermo& thermo() const { return *thermo_; }
+    Exchange& exchange() { return exchange_; }
+
+    /// Makes the start consistent with a voidage that was set after construction.
+    void initialise();
+
+    /// One time step: momentum, pressure, energy.
+    void advance();
+
+    /// Temperature of each cell as the exchange of the last step saw it [K]: the end of the step, with the heat
+    /// capacity at its start (the same as T() where that is constant).
+    const Foam::scalarField& exchangeTemperature() const { return exchangeTemperature_; }
+
+    /// voidage * rho * c_p * V of each cell at the start of the step [J/K].
+    Foam::tmp<Foam::scalarField> heatCapacity() const;
+
+    Foam::scalar courantNumber() const; ///< largest over all cells and ranks
+    Foam::scalar energyContent() const; ///< sum voidage rho h V over all ranks [J]
+    Foam::scalar energyInflow() const { return energyInflow_; } ///< enthalpy that entered in the last step [J]
+
+private:
+    void momentum();
+    void pressure();
+    void energy();
+    void continuity();
+    Foam::tmp<Foam::volScalarField> diffusivity() const;
+
+    Foam::fvMesh& mesh_;
+    bool energyOn_;
+    Foam::pimpleControl pimple_;
+    Foam::autoPtr<Foam::fluidThermo> thermo_;
+    Foam::volScalarField& p_;
+    Foam::volScalarField voidage_;
+    Foam::volScalarField rho_;
+    Foam::volVectorField U_;
+    Foam::volScalarField mass_; ///< voidage * rho, consistent with phi to round-off
+    Foam::surfaceScalarField phi_;
+    Foam::autoPtr<Foam::compressible::turbulenceModel> turbulence_;
+    Foam::uniformDimensionedVectorField g_;
+    Foam::label pressureCell_ = 0;
+    Foam::scalar pressureValue_ = 0;
+
+    Exchange exchange_;
+    Foam::tmp<Foam::fvVectorMatrix> UEqn_;
+    Foam::autoPtr<Foam::surfaceScalarField> enthalpyFlux_; ///< phi h at the end of the step before
+    Foam::scalarField exchangeTemperature_;
+    Foam::scalar energyInflow_ = 0;
+};
+
+} // namespace hotbed

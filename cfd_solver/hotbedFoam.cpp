@@ -1,0 +1,161 @@
+/// hotbedFoam: coarse-grained CFD-DEM with gas-particle heat transfer. An OpenFOAM solver that holds a LIGGGHTS instance
+/// on its own MPI ranks. Case: see docs/case.md. Options are those of any OpenFOAM solver.
+
+#include "bed.hpp"
+#include "coupling.hpp"
+#include "gas.hpp"
+#include "settings.hpp"
+
+#include "foamVersion.H"
+
+#include <mpi.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <iostream>
+#include <sstream>
+
+using namespace Foam;
+using namespace hotbed;
+
+namespace
+{
+
+/// Makes the case the working directory and takes `-case DIR` out of the arguments, so that paths in the DEM script
+/// are relative to the case wherever the solver was started.
+void enterCase(int& argc, char** argv)
+{
+    for (int i = 1; i + 1 < argc; ++i)
+    {
+        if (std::strcmp(argv[i], "-case") != 0) continue;
+        if (chdir(argv[i + 1]) != 0)
+        {
+            std::cerr << "hotbedFoam: no case directory '" << argv[i + 1] << "'\n";
+            std::exit(1);
+        }
+        std::copy(argv + i + 2, argv + argc + 1, argv + i);
+        argc -= 2;
+        return;
+    }
+}
+
+/// DEM steps in a gas step; the gas step must be a whole number of them.
+int demSteps(const Time& runTime, const Dem& dem, const fileName& script)
+{
+    const scalar steps = runTime.deltaTValue() / dem.timestep();
+    const int whole = int(std::lround(steps));
+    if (whole < 1 || std::abs(steps - whole) > 1e-6 * steps)
+        FatalErrorInFunction << "deltaT in system/controlDict is " << runTime.deltaTValue() << " s, which is " << steps
+                             << " DEM steps of " << dem.timestep() << " s (timestep in " << script
+                             << "): it must be a whole number of them, for example "
+                             << std::max(1, whole) * dem.timestep() << exit(FatalError);
+    return whole;
+}
+
+/// With adjustTimeStep: the largest whole number of DEM steps that keeps maxCo and maxDeltaT.
+void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
+{
+    const dictionary& control = runTime.controlDict();
+    if (!control.lookupOrDefault<Switch>("adjustTimeStep", false)) return;
+    const scalar maxCo = control.lookupOrDefault<scalar>("maxCo", 1);
+    const scalar maxDeltaT = control.lookupOrDefault<scalar>("maxDeltaT", GREAT);
+    const scalar now = runTime.deltaTValue();
+    const scalar wanted = min(min(now * maxCo / max(Courant, SMALL), 1.2 * now), maxDeltaT);
+    const scalar steps = max(std::floor(wanted / dem.timestep() * (1 + 1e-9)), 1.0);
+    runTime.setDeltaT(steps * dem.timestep(), false);
+}
+
+void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettings& settings)
+{
+    const label particles = returnReduce(label(dem.size()), sumOp<label>());
+    Info << nl << "Hotbed " << HOTBED_VERSION << " with LIGGGHTS and OpenFOAM " << foamVersion::version.c_str() << nl
+         << "    particles         " << particles << " coarse, ratio l = " << dem.ratio() << ", stand for "
+         << particles * std::pow(dem.ratio(), 3) << nl << "    drag              "
+         << (settings.drag ? "Beetstra" : "left out") << nl << "    heat transfer     "
+         << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl << "    particle motion   "
+         << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
+         << nl << endl;
+}
+
+} // namespace
+
+int main(int argc, char* argv[])
+{
+    enterCase(argc, argv);
+    argList::addNote("Coarse-grained CFD-DEM with gas-particle heat transfer: LIGGGHTS particles in OpenFOAM gas.");
+    argList::noCheckProcessorDirectories();
+    argList args(argc, argv);
+    if (!args.checkRootCase()) FatalError.exit();
+    bool ownMpi = false;
+    if (int initialised = 0; MPI_Initialized(&initialised) == MPI_SUCCESS && !initialised)
+    {
+        MPI_Init(&argc, &argv); // OpenFOAM does so for -parallel only, LIGGGHTS needs it always
+        ownMpi = true;
+    }
+    const double start = MPI_Wtime();
+    long steps = 0;
+    {
+        Time runTime(Time::controlDictName, args);
+        const CouplingSettings settings(runTime);
+        Timing timing;
+        std::unique_ptr<Dem> dem;
+        try
+        {
+            const auto time = timing.measure("DEM set-up");
+            dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, readSettings(runTime), "log.liggghts");
+            demSteps(runTime, *dem, settings.demScript);
+            dem->setup();
+        }
+        catch (const std::exception& problem)
+        {
+            FatalErrorInFunction << problem.what() << exit(FatalError);
+        }
+        fvMesh mesh(
+            IOobject(fvMesh::defaultRegion, runTime.timeName(), runTime, IOobject::MUST_READ));
+        Gas gas(mesh, settings.heatTransfer && dem->heat());
+        Coupling coupling(settings, mesh, *dem, gas, timing);
+        coupling.map();
+        gas.initialise();
+        printOptions(*dem, coupling, settings);
+        Bed bed(runTime, coupling, *dem, gas);
+
+        Info << "Starting time loop" << nl << endl;
+        while (runTime.run())
+        {
+            adjustTimeStep(runTime, *dem, gas.courantNumber());
+            ++runTime;
+            const int substeps = demSteps(runTime, *dem, settings.demScript);
+            Info << "Time = " << runTime.timeName() << "  Courant " << gas.courantNumber() << "  DEM steps " << substeps
+                 << endl;
+
+            coupling.map();
+            coupling.particlesToGas();
+            {
+                const auto time = timing.measure("gas");
+                gas.advance();
+            }
+            coupling.gasToParticles();
+            {
+                const auto time = timing.measure("DEM");
+                dem->advance(substeps);
+            }
+            const auto time = timing.measure("output");
+            bed.record();
+            runTime.write();
+            ++steps;
+        }
+        dem->finish();
+        bed.report(static_cast<OSstream&>(Info));
+        std::ostringstream table;
+        timing.print(table, MPI_COMM_WORLD, MPI_Wtime() - start, steps);
+        rusage usage;
+        getrusage(RUSAGE_SELF, &usage);
+        const scalar memory = returnReduce(scalar(usage.ru_maxrss) / 1024.0, maxOp<scalar>());
+        Info << nl << table.str().c_str() << "    peak memory of a rank         " << memory << " MiB" << nl << nl
+             << "End" << nl << endl;
+    }
+    if (ownMpi) MPI_Finalize();
+    return 0;
+}

@@ -1,0 +1,99 @@
+#include "settings.hpp"
+
+#include "IFstream.H"
+#include "OSspecific.H"
+#include "OStringStream.H"
+
+#include <cmath>
+
+using namespace Foam;
+
+namespace hotbed
+{
+namespace
+{
+
+wordList sorted(std::initializer_list<const char*> names)
+{
+    wordList list;
+    for (const char* name : names) list.append(word(name));
+    return list;
+}
+
+/// one of the known laws, or an error that lists them
+word choice(const dictionary& dict, const word& key, const wordList& known)
+{
+    const word value = dict.get<word>(key);
+    if (!known.found(value))
+        FatalIOErrorInFunction(dict) << "unknown " << key << " '" << value << "'; choose one of " << flatOutput(known)
+                                     << exit(FatalIOError);
+    return value;
+}
+
+scalar positive(const dictionary& dict, const word& key)
+{
+    const scalar value = dict.get<scalar>(key);
+    if (!(value > 0) || !std::isfinite(value))
+        FatalIOErrorInFunction(dict) << key << " must be a number > 0, not " << value << exit(FatalIOError);
+    return value;
+}
+
+} // namespace
+
+std::vector<std::pair<std::string, std::string>> readSettings(const Time& runTime)
+{
+    std::vector<std::pair<std::string, std::string>> settings;
+    const fileName path = runTime.globalPath() / "settings";
+    if (!isFile(path)) return settings;
+    IFstream file(path);
+    const dictionary dict(file);
+    forAllConstIters(dict, entry)
+    {
+        if (entry().keyword() == "FoamFile" || !entry().isStream()) continue;
+        const ITstream& stream = entry().stream();
+        if (stream.size() != 1) continue;
+        OStringStream text;
+        text.precision(17);
+        text << stream[0];
+        settings.emplace_back(entry().keyword(), stream[0].isString() ? stream[0].stringToken() : text.str());
+    }
+    return settings;
+}
+
+CouplingSettings::CouplingSettings(const Time& runTime)
+{
+    const IOdictionary dict(
+        IOobject("couplingProperties", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false));
+
+    const wordList known = sorted({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
+                                   "kernelSamples", "temperatureGradient"});
+    for (const word& key : dict.toc())
+        if (key != "FoamFile" && !known.found(key))
+            FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)
+                                         << exit(FatalIOError);
+
+    demScript = dict.get<fileName>("demScript");
+    drag = choice(dict, "drag", sorted({"Beetstra", "none"})) != "none";
+    heatTransfer = choice(dict, "heatTransfer", sorted({"Gunn", "none"})) != "none";
+    choice(dict, "kernel", sorted({"Deen"}));
+    if (dict.found("kernelWidth") && dict.found("windowLength"))
+        FatalIOErrorInFunction(dict) << "kernelWidth and windowLength are both given: keep one of the two"
+                                     << exit(FatalIOError);
+    if (dict.found("windowLength"))
+    {
+        windowLength = positive(dict, "windowLength");
+        kernelWidth = 0;
+    }
+    else if (dict.found("kernelWidth"))
+        kernelWidth = positive(dict, "kernelWidth");
+    if (dict.found("kernelSamples"))
+    {
+        kernelSamples = dict.get<label>("kernelSamples");
+        if (kernelSamples < 1 || kernelSamples > 64)
+            FatalIOErrorInFunction(dict) << "kernelSamples must be from 1 to 64, not " << kernelSamples
+                                         << exit(FatalIOError);
+    }
+    temperatureGradient = dict.lookupOrDefault<Switch>("temperatureGradient", true);
+}
+
+} // namespace hotbed

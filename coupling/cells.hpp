@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace hotbed
+{
+
+using Point = std::array<double, 3>;
+
+/// Axis-aligned box; empty when low > high.
+struct Box
+{
+    Point low{{1, 1, 1}};
+    Point high{{-1, -1, -1}};
+};
+
+/// Kernel mass by cell, appended particle after particle.
+struct CellMass
+{
+    std::vector<int> cell;
+    std::vector<double> mass;
+};
+
+/// The cells of one rank as the mapping sees them.
+class Cells
+{
+public:
+    virtual ~Cells() = default;
+
+    /// Number of cells of this rank.
+    virtual int size() const = 0;
+
+    /// Smallest box around the cells of this rank; empty without cells.
+    virtual Box bounds() const = 0;
+
+    /// Whether a point lies in, or on the surface of, a cell of this rank.
+    virtual bool contains(const Point& x) const = 0;
+
+    /// Appends the cells of this rank that a kernel reaches with the mass that lies in each (not normalised:
+    /// what lies outside every rank's cells is missing).
+    /// @param x          centre of the particle [m]
+    /// @param halfWidth  n, half the full window [m]
+    virtual void append(const Point& x, double halfWidth, CellMass& out) const = 0;
+};
+
+/// Cells that are axis-aligned boxes, in any arrangement (uniform, graded, several blocks): kernel masses are exact,
+/// products of one-dimensional integrals on the lattice of all cell faces.
+class BoxCells : public Cells
+{
+public:
+    /// @param boxes   one box a cell, in cell order
+    /// @param domain  the whole domain over all ranks where it is one full box: kernel mass beyond it is then folded
+    ///                back, so that an even packing has an even voidage up to the walls; an empty box otherwise
+    BoxCells(const std::vector<Box>& boxes, const Box& domain);
+
+    int size() const override { return nCells_; }
+    Box bounds() const override;
+    bool contains(const Point& x) const override;
+    void append(const Point& x, double halfWidth, CellMass& out) const override;
+
+private:
+    struct Axis
+    {
+        std::vector<double> face; ///< ascending
+        double origin = 0, inverseSpacing = 0;
+        bool uniform = false;
+
+        /// index of the interval that holds x, clamped to the valid ones
+        int interval(double x) const;
+    };
+
+    int slot(int i, int j, int k) const { return (k * nSlots_[1] + j) * nSlots_[0] + i; }
+
+    int nCells_;
+    Box domain_;
+    std::array<Axis, 3> axis_;
+    std::array<int, 3> nSlots_{{0, 0, 0}};
+    std::vector<int> cellOf_; ///< lattice slot -> cell, -1 for a slot of another rank or a hole
+};
+
+/// Cells of any shape: the kernel is sampled at points of equal mass, each located in a cell.
+class SampledCells : public Cells
+{
+public:
+    using Locate = std::function<int(const Point&)>; ///< cell of this rank that holds a point, -1 for none
+
+    /// @param size            cells of this rank
+    /// @param bounds          box around them
+    /// @param locate          point location
+    /// @param samplesPerAxis  points along one axis; the error falls with it
+    SampledCells(int size, const Box& bounds, Locate locate, int samplesPerAxis);
+
+    int size() const override { return size_; }
+    Box bounds() const override { return bounds_; }
+    bool contains(const Point& x) const override { return locate_(x) >= 0; }
+    void append(const Point& x, double halfWidth, CellMass& out) const override;
+
+private:
+    int size_;
+    Box bounds_;
+    Locate locate_;
+    std::vector<double> node_; ///< sample positions over the half width
+};
+
+} // namespace hotbed

@@ -1,0 +1,51 @@
+#include "timing.hpp"
+
+#include <iomanip>
+#include <ostream>
+
+namespace hotbed
+{
+
+Timing::Scope Timing::measure(const std::string& phase)
+{
+    const auto place = index_.emplace(phase, index_.size()).first->second;
+    auto& entry = phase_[place];
+    entry.first = phase;
+    return Scope(entry.second);
+}
+
+double Timing::seconds(const std::string& phase) const
+{
+    const auto found = index_.find(phase);
+    return found == index_.end() ? 0.0 : phase_.at(found->second).second;
+}
+
+void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long steps) const
+{
+    int rank = 0, ranks = 1;
+    MPI_Comm_rank(communicator, &rank);
+    MPI_Comm_size(communicator, &ranks);
+    const auto line = [&](const std::string& name, double mine)
+    {
+        double sum = 0.0, largest = 0.0;
+        MPI_Reduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, communicator);
+        MPI_Reduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, 0, communicator);
+        const double mean = sum / ranks;
+        if (rank == 0)
+            out << "    " << std::left << std::setw(28) << name << std::right << std::fixed << std::setprecision(2)
+                << std::setw(11) << mean << std::setw(11) << largest << std::setw(13) << std::setprecision(5)
+                << (steps > 0 ? mean / double(steps) : 0.0) << std::setw(9) << std::setprecision(1)
+                << (total > 0 ? 100.0 * mean / total : 0.0) << " %\n";
+        return mean;
+    };
+    if (rank == 0)
+        out << "Timing (" << ranks << (ranks == 1 ? " rank, " : " ranks, ") << steps
+            << " steps)            mean [s]    max [s]   s a step    share\n";
+    double named = 0.0;
+    for (const auto& entry : phase_) named += line(entry.second.first, entry.second.second);
+    line("everything else", total - named);
+    line("whole run", total);
+    out.unsetf(std::ios::floatfield);
+}
+
+} // namespace hotbed

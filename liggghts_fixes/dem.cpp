@@ -1,0 +1,217 @@
+#include "liggghts.hpp"
+
+#include "dem.hpp"
+
+#include "fix_hotbed_coarsegrain.h"
+#include "fix_hotbed_heat.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+
+using namespace LAMMPS_NS;
+
+namespace hotbed
+{
+namespace
+{
+
+/// What LIGGGHTS prints goes to its log file; its errors and warnings also to stderr, with the script's name.
+struct ErrorStream
+{
+    std::string script, line;
+
+    static ssize_t write(void* self, const char* text, std::size_t size)
+    {
+        auto& stream = *static_cast<ErrorStream*>(self);
+        for (std::size_t i = 0; i < size; ++i)
+        {
+            if (text[i] != '\n')
+            {
+                stream.line += text[i];
+                continue;
+            }
+            if (stream.line.compare(0, 5, "ERROR") == 0 || stream.line.compare(0, 7, "WARNING") == 0)
+                std::fprintf(stderr, "LIGGGHTS, %s: %s\n", stream.script.c_str(), stream.line.c_str());
+            stream.line.clear();
+        }
+        return ssize_t(size);
+    }
+};
+
+} // namespace
+
+struct Dem::Instance
+{
+    ErrorStream errors;
+    std::unique_ptr<LAMMPS> lmp;
+    FixHotbedHeat* heat = nullptr;
+    FixHotbedCoarsegrain* coarsegrain = nullptr;
+    bool moving = true;
+
+    template <class Style> Style* find() const
+    {
+        for (int i = 0; i < lmp->modify->nfix; ++i)
+            if (auto* fix = dynamic_cast<Style*>(lmp->modify->fix[i])) return fix;
+        return nullptr;
+    }
+};
+
+Dem::Dem(MPI_Comm communicator, const std::string& script,
+         const std::vector<std::pair<std::string, std::string>>& variables, const std::string& log)
+    : instance_(new Instance)
+{
+    if (!std::ifstream(script))
+        throw std::runtime_error("cannot read the DEM script '" + script + "'");
+
+    std::vector<std::string> words = {"hotbed", "-log", log, "-screen", "none"};
+    for (const auto& variable : variables) words.insert(words.end(), {"-var", variable.first, variable.second});
+    std::vector<char*> arg;
+    for (std::string& word : words) arg.push_back(&word[0]);
+    instance_->lmp.reset(new LAMMPS(int(arg.size()), arg.data(), communicator));
+
+    instance_->errors.script = script;
+    cookie_io_functions_t io = {};
+    io.write = &ErrorStream::write;
+    FILE* screen = fopencookie(&instance_->errors, "w", io);
+    std::setvbuf(screen, nullptr, _IONBF, 0);
+    LAMMPS& lmp = *instance_->lmp;
+    lmp.screen = screen;
+    lmp.input->file(script.c_str());
+
+    if (lmp.domain->box_exist == 0)
+        throw std::runtime_error("the DEM script '" + script + "' makes no simulation box: add create_box or "
+                                 "read_restart, and particles");
+    instance_->heat = instance_->find<FixHotbedHeat>();
+    instance_->coarsegrain = instance_->find<FixHotbedCoarsegrain>();
+    instance_->moving = false;
+    for (int i = 0; i < lmp.modify->nfix; ++i)
+        instance_->moving |= lmp.modify->fix[i]->time_integrate != 0 || lmp.modify->fix[i]->force_reneighbor != 0;
+}
+
+Dem::~Dem()
+{
+    FILE* screen = instance_->lmp ? instance_->lmp->screen : nullptr;
+    instance_->lmp.reset(); // closes the log; the screen is closed there too unless it is stdout
+    (void)screen;
+}
+
+void Dem::setup()
+{
+    LAMMPS& lmp = *instance_->lmp;
+    Update& update = *lmp.update;
+    update.whichflag = 1;
+    update.nsteps = std::numeric_limits<int>::max();
+    update.firststep = update.beginstep = update.ntimestep;
+    update.laststep = update.endstep = update.ntimestep + update.nsteps;
+    lmp.init();
+    update.integrate->setup();
+}
+
+int Dem::size() const
+{
+    return instance_->lmp->atom->nlocal;
+}
+
+namespace
+{
+
+/// LIGGGHTS keeps n x 3 arrays in one block behind row pointers
+const double (*block(double** rows))[3]
+{
+    return rows ? reinterpret_cast<const double(*)[3]>(rows[0]) : nullptr;
+}
+
+} // namespace
+
+const double (*Dem::position() const)[3]
+{
+    return block(instance_->lmp->atom->x);
+}
+
+const double (*Dem::velocity() const)[3]
+{
+    return block(instance_->lmp->atom->v);
+}
+
+const double* Dem::radius() const
+{
+    return instance_->lmp->atom->radius;
+}
+
+const double* Dem::mass() const
+{
+    return instance_->lmp->atom->rmass;
+}
+
+const int* Dem::tag() const
+{
+    return instance_->lmp->atom->tag;
+}
+
+double Dem::ratio() const
+{
+    return instance_->coarsegrain ? instance_->coarsegrain->ratio() : 1.0;
+}
+
+double Dem::timestep() const
+{
+    return instance_->lmp->update->dt;
+}
+
+bool Dem::moving() const
+{
+    return instance_->moving;
+}
+
+bool Dem::heat() const
+{
+    return instance_->heat != nullptr;
+}
+
+double* Dem::temperature() const
+{
+    return instance_->heat->temperature();
+}
+
+double* Dem::nusselt() const
+{
+    return instance_->heat->nusselt();
+}
+
+double Dem::heatCapacity(int particle) const
+{
+    return instance_->heat->heatCapacity(particle);
+}
+
+void Dem::receive(const double* heat)
+{
+    instance_->heat->receive(heat);
+}
+
+void Dem::advance(int steps)
+{
+    LAMMPS& lmp = *instance_->lmp;
+    if (instance_->moving)
+    {
+        lmp.update->integrate->run(steps);
+        return;
+    }
+    for (int s = 0; s < steps; ++s)
+    {
+        ++lmp.update->ntimestep;
+        if (lmp.modify->n_end_of_step) lmp.modify->end_of_step();
+        if (lmp.update->ntimestep == lmp.output->next) lmp.output->write(lmp.update->ntimestep);
+    }
+}
+
+void Dem::finish()
+{
+    instance_->lmp->update->integrate->cleanup();
+    instance_->lmp->update->whichflag = 0;
+}
+
+} // namespace hotbed

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace hotbed
+{
+
+/// A LIGGGHTS simulation inside another program: runs an input script once, then advances step by step while its
+/// host reads the particles and gives them heat. Knows nothing of the gas. Input errors found by LIGGGHTS end the
+/// process with LIGGGHTS' own message on stderr; those found here are thrown as std::runtime_error.
+class Dem
+{
+public:
+    /// Runs the script.
+    /// @param script     path of the input script
+    /// @param variables  index variables set before the script (LIGGGHTS' -var name value)
+    /// @param log        path of the log file LIGGGHTS writes
+    Dem(MPI_Comm communicator, const std::string& script,
+        const std::vector<std::pair<std::string, std::string>>& variables, const std::string& log);
+    ~Dem();
+
+    /// Set-up of the run (lists, ghosts, first forces); after it particles can be read.
+    void setup();
+
+    int size() const;                            ///< particles of this rank
+    const double (*position() const)[3];         ///< [m]
+    const double (*velocity() const)[3];         ///< [m/s]
+    const double* radius() const;                ///< of the coarse particle [m]
+    const double* mass() const;                  ///< of the coarse particle [kg]
+    const int* tag() const;                      ///< LIGGGHTS' particle ids
+
+    double ratio() const;    ///< coarse-graining ratio of fix hotbed/coarsegrain, 1 without one
+    double timestep() const; ///< [s]
+    bool moving() const;     ///< whether anything in the script moves or adds particles
+    bool heat() const;       ///< whether the script has a fix hotbed/heat
+
+    double* temperature() const;             ///< [K]
+    double* nusselt() const;                 ///< [-]
+    double heatCapacity(int particle) const; ///< m c [J/K]
+    void receive(const double* heat);        ///< [J] by particle
+
+    /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens.
+    void advance(int steps);
+
+    /// Closes the run as LIGGGHTS does at the end of `run`.
+    void finish();
+
+private:
+    struct Instance;
+    std::unique_ptr<Instance> instance_;
+};
+
+} // namespace hotbed

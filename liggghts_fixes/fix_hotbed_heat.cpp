@@ -1,0 +1,96 @@
+#include "liggghts.hpp"
+
+#include "fix_hotbed_heat.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+using namespace LAMMPS_NS;
+
+FixHotbedHeat::FixHotbedHeat(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg)
+{
+    if (!atom->radius_flag || !atom->rmass_flag)
+        error->fix_error(FLERR, this, "particles have no size or mass: use 'atom_style granular'");
+    if (modify->n_fixes_style("hotbed/heat") > 0)
+        for (int i = 0; i < modify->nfix; ++i)
+            if (std::strcmp(modify->fix[i]->style, style) == 0 && std::strcmp(modify->fix[i]->id, id) != 0)
+                error->fix_error(FLERR, this, "particle temperature is held already by another fix hotbed/heat");
+    if (narg != 5 || std::strcmp(arg[3], "initial_temperature") != 0)
+        error->fix_error(FLERR, this, "expecting 'initial_temperature T0' and nothing else");
+    char* end = nullptr;
+    initialTemperature_ = std::strtod(arg[4], &end);
+    if (end == arg[4] || *end != '\0' || !(initialTemperature_ > 0.0) || !std::isfinite(initialTemperature_))
+        error->fix_error(FLERR, this,
+                         (std::string("initial_temperature must be a number > 0 in kelvin, not '") + arg[4] + "'")
+                             .c_str());
+    scalar_flag = 1;
+    global_freq = 1;
+    extscalar = 1;
+    peratom_flag = 1;
+    size_peratom_cols = 0;
+    peratom_freq = 1;
+}
+
+FixPropertyAtom* FixHotbedHeat::property(const char* name, const char* initial, bool ghosts)
+{
+    const char* arg[] = {name, "all", "property/atom", name, "scalar", "yes", ghosts ? "yes" : "no", "no", initial};
+    Fix* known = modify->find_fix_property(name, "property/atom", "scalar", 0, 0, style, false);
+    return known ? static_cast<FixPropertyAtom*>(known)
+                 : modify->add_fix_property_atom(9, const_cast<char**>(arg), style);
+}
+
+void FixHotbedHeat::post_create()
+{
+    char initial[32];
+    std::snprintf(initial, sizeof initial, "%.17g", initialTemperature_);
+    temperature_ = property("Temp", initial, true);
+    nusselt_ = property("Nusselt", "0.", false);
+    vector_atom = temperature_->vector_atom;
+}
+
+void FixHotbedHeat::init()
+{
+    capacity_ = static_cast<FixPropertyGlobal*>(modify->find_fix_property(
+        "thermalCapacity", "property/global", "peratomtype", atom->ntypes, 0, style, false));
+    if (!capacity_)
+        error->fix_error(FLERR, this,
+                         "the particles' heat capacity is missing: add "
+                         "'fix ID all property/global thermalCapacity peratomtype C1 C2 ...' [J/kg/K], one a type");
+    for (int t = 0; t < atom->ntypes; ++t)
+        if (!(capacity_->compute_vector(t) > 0.0))
+            error->fix_error(FLERR, this, "thermalCapacity must be > 0 for every particle type [J/kg/K]");
+    vector_atom = temperature_->vector_atom;
+}
+
+double* FixHotbedHeat::temperature() const
+{
+    return temperature_->vector_atom;
+}
+
+double* FixHotbedHeat::nusselt() const
+{
+    return nusselt_->vector_atom;
+}
+
+double FixHotbedHeat::heatCapacity(int particle) const
+{
+    return atom->rmass[particle] * capacity_->get_values()[atom->type[particle] - 1];
+}
+
+void FixHotbedHeat::receive(const double* heat)
+{
+    double* T = temperature();
+    vector_atom = T;
+    for (int i = 0; i < atom->nlocal; ++i) T[i] += heat[i] / heatCapacity(i);
+}
+
+double FixHotbedHeat::compute_scalar()
+{
+    double mine = 0.0, sum = 0.0;
+    for (int i = 0; i < atom->nlocal; ++i) mine += heatCapacity(i) * temperature()[i];
+    MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+    return sum;
+}

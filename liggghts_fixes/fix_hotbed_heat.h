@@ -1,0 +1,38 @@
+#pragma once
+
+#include "fix.h"
+
+namespace LAMMPS_NS
+{
+
+/// fix ID group hotbed/heat initial_temperature T0
+/// Holds the particle temperature (property/atom Temp, restarted) and Nusselt number (property/atom Nusselt),
+/// receives the heat that the gas gives over a gas step and integrates m c dT/dt (eq 15, 22).
+class FixHotbedHeat : public Fix
+{
+public:
+    FixHotbedHeat(LAMMPS* lmp, int narg, char** arg);
+
+    int setmask() override { return 0; }
+    void post_create() override;
+    void init() override;
+    double compute_scalar() override; ///< thermal energy of all particles, sum m c T [J]
+
+    double* temperature() const;                ///< [K], by local particle
+    double* nusselt() const;                    ///< [-], by local particle
+    double heatCapacity(int particle) const;    ///< m c of a coarse particle [J/K]
+
+    /// T += heat / (m c)
+    /// @param heat [local particles], received since the last call [J]
+    void receive(const double* heat);
+
+private:
+    class FixPropertyAtom* property(const char* name, const char* initial, bool ghosts);
+
+    double initialTemperature_;
+    class FixPropertyAtom* temperature_ = nullptr;
+    class FixPropertyAtom* nusselt_ = nullptr;
+    class FixPropertyGlobal* capacity_ = nullptr;
+};
+
+} // namespace LAMMPS_NS

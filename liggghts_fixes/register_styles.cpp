@@ -1,0 +1,57 @@
+/// Makes the styles of this library known to every LIGGGHTS instance of the process, also after the script command
+/// `clear`: LIGGGHTS rebuilds its style tables in LAMMPS::create(), which this definition stands in front of (linked
+/// into an executable, or preloaded under the unmodified `liggghts`) and then extends.
+
+#include "liggghts.hpp"
+
+#include "fix_hotbed_coarsegrain.h"
+#include "fix_hotbed_heat.h"
+
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+
+namespace
+{
+
+using FixCreator = LAMMPS_NS::Fix* (*)(LAMMPS_NS::LAMMPS*, int, char**);
+using FixMap = std::map<std::string, FixCreator>;
+
+template <class Style> LAMMPS_NS::Fix* makeFix(LAMMPS_NS::LAMMPS* lmp, int narg, char** arg)
+{
+    return new Style(lmp, narg, arg);
+}
+
+/// The table of fix styles is private; an explicit instantiation may name it ([temp.explicit]).
+template <FixMap* LAMMPS_NS::Modify::*member> struct FixMapOf
+{
+    friend FixMap& fixMapOf(LAMMPS_NS::Modify& modify) { return *(modify.*member); }
+};
+FixMap& fixMapOf(LAMMPS_NS::Modify& modify);
+template struct FixMapOf<&LAMMPS_NS::Modify::fix_map>;
+
+} // namespace
+
+namespace LAMMPS_NS
+{
+
+void LAMMPS::create()
+{
+    using Create = void (*)(LAMMPS*);
+    static const auto real = reinterpret_cast<Create>(dlsym(RTLD_NEXT, "_ZN9LAMMPS_NS6LAMMPS6createEv"));
+    if (!real)
+    {
+        std::fprintf(stderr, "hotbed: libliggghts not found behind the hotbed styles: load it after this library\n");
+        std::abort();
+    }
+    real(this);
+
+    FixMap& fixes = fixMapOf(*modify);
+    fixes["hotbed/coarsegrain"] = &makeFix<FixHotbedCoarsegrain>;
+    fixes["hotbed/heat"] = &makeFix<FixHotbedHeat>;
+}
+
+} // namespace LAMMPS_NS
