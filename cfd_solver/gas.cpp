@@ -1,6 +1,5 @@
 #include "gas.hpp"
 
-#include "CMULES.H"
 #include "closures.hpp"
 #include "constrainHbyA.H"
 #include "constrainPressure.H"
@@ -76,7 +75,10 @@ void Gas::advance()
 void Gas::continuity()
 {
     // eq 1, explicit: what phi brings is what the cell holds, to round-off
-    solve(fvm::ddt(mass_) + fvc::div(phi_));
+    mass_.primitiveFieldRef() = mass_.oldTime().primitiveField() -
+                                mesh_.time().deltaTValue() * fvc::div(phi_)->primitiveField();
+    mass_.boundaryFieldRef() = voidage_.boundaryField() * rho_.boundaryField();
+    mass_.correctBoundaryConditions();
 }
 
 void Gas::momentum()
@@ -144,9 +146,81 @@ tmp<volScalarField> Gas::diffusivity() const
     return t;
 }
 
+namespace
+{
+
+/// Zalesak's limiter (J. Comput. Phys. 31 (1979) 335): scales face fluxes down until no cell leaves the range of its own
+/// and its neighbours' values. Fluxes through the boundary of the domain are taken out.
+/// @param h           field before the correction, with up-to-date boundary values
+/// @param storage     change of the cell's content over that of its value, by cell
+/// @param correction  face fluxes out of the owner, limited on return
+void limitCorrection(const volScalarField& h, const scalarField& storage, surfaceScalarField& correction)
+{
+    const fvMesh& mesh = h.mesh();
+    const labelUList& owner = mesh.owner();
+    const labelUList& neighbour = mesh.neighbour();
+    scalarField highest(h.primitiveField()), lowest(h.primitiveField());
+    scalarField in(h.size(), 0.0), out(h.size(), 0.0);
+    forAll(owner, f)
+    {
+        const label o = owner[f], n = neighbour[f];
+        highest[o] = max(highest[o], h[n]);
+        lowest[o] = min(lowest[o], h[n]);
+        highest[n] = max(highest[n], h[o]);
+        lowest[n] = min(lowest[n], h[o]);
+        (correction[f] > 0 ? out[o] : in[o]) += mag(correction[f]);
+        (correction[f] > 0 ? in[n] : out[n]) += mag(correction[f]);
+    }
+    forAll(h.boundaryField(), patch)
+    {
+        const fvPatchScalarField& face = h.boundaryField()[patch];
+        scalarField& flux = correction.boundaryFieldRef()[patch];
+        if (!face.coupled())
+        {
+            flux = 0.0;
+            continue;
+        }
+        const labelUList& cells = mesh.boundary()[patch].faceCells();
+        const scalarField other(face.patchNeighbourField());
+        forAll(cells, f)
+        {
+            highest[cells[f]] = max(highest[cells[f]], other[f]);
+            lowest[cells[f]] = min(lowest[cells[f]], other[f]);
+            (flux[f] > 0 ? out : in)[cells[f]] += mag(flux[f]);
+        }
+    }
+
+    // the shares of the inflow and of the outflow that a cell can take; as fields, for the other ranks' cells
+    volScalarField takes(IOobject("takes", mesh.time().timeName(), mesh), mesh, dimensionedScalar("one", dimless, 1.0),
+                         zeroGradientFvPatchScalarField::typeName);
+    volScalarField gives("gives", takes);
+    forAll(h, c)
+    {
+        if (in[c] > 0) takes[c] = min(1.0, storage[c] * (highest[c] - h[c]) / in[c]);
+        if (out[c] > 0) gives[c] = min(1.0, storage[c] * (h[c] - lowest[c]) / out[c]);
+    }
+    takes.correctBoundaryConditions();
+    gives.correctBoundaryConditions();
+    forAll(owner, f)
+        correction[f] *= correction[f] > 0 ? min(gives[owner[f]], takes[neighbour[f]])
+                                           : min(takes[owner[f]], gives[neighbour[f]]);
+    forAll(h.boundaryField(), patch)
+    {
+        if (!h.boundaryField()[patch].coupled()) continue;
+        scalarField& flux = correction.boundaryFieldRef()[patch];
+        const labelUList& cells = mesh.boundary()[patch].faceCells();
+        const scalarField takesThere(takes.boundaryField()[patch].patchNeighbourField());
+        const scalarField givesThere(gives.boundaryField()[patch].patchNeighbourField());
+        forAll(cells, f)
+            flux[f] *= flux[f] > 0 ? min(gives[cells[f]], takesThere[f]) : min(takes[cells[f]], givesThere[f]);
+    }
+}
+
+} // namespace
+
 /// Eq 7, bounded by construction: an implicit upwind step whose matrix has no negative influence, then the difference
 /// to the scheme of the dictionary, averaged over the step (second order in time), as far as it makes no new extremum
-/// (flux-corrected transport with OpenFOAM's MULES limiter). Twice, since the second pass sees the first one's result.
+/// (flux-corrected transport). Twice, since the second pass sees the first one's result.
 void Gas::energy()
 {
     volScalarField& h = thermo_->he();
@@ -177,22 +251,13 @@ void Gas::energy()
     reduce(energyInflow_, sumOp<scalar>());
 
     surfaceScalarField used("used", convection.flux(phi_, h));
-    const volScalarField::Internal Sp(IOobject("Sp", mesh_.time().timeName(), mesh_), mesh_, dimDensity / dimTime,
-                                      scalarField(-implicitPart / V));
-    const scalarField& sp = Sp.field();
-    const scalarField highest(h.size(), gMax(h)), lowest(h.size(), gMin(h));
+    const scalarField storage(mass_.primitiveField() * V / dt + implicitPart);
     for (int pass = 0; pass < 2; ++pass)
     {
         const surfaceScalarField wanted(0.5 * (fvc::flux(phi_, h, "div(phi,h)") + enthalpyFlux_()));
         surfaceScalarField correction("correction", wanted - used);
-        forAll(correction.boundaryField(), patch)
-            if (!mesh_.boundary()[patch].coupled()) correction.boundaryFieldRef()[patch] = 0.0;
-        const volScalarField::Internal Su(IOobject("Su", mesh_.time().timeName(), mesh_), mesh_, dimless,
-                                          scalarField(-sp * h.primitiveField()));
-        MULES::limitCorr(1.0 / dt, mass_, h, phi_, correction, Sp, Su, highest, lowest);
-        scalarField divergence(h.size(), 0.0);
-        fvc::surfaceIntegrate(divergence, correction);
-        h.primitiveFieldRef() -= divergence / (mass_.primitiveField() / dt - sp);
+        limitCorrection(h, storage, correction);
+        h.primitiveFieldRef() -= fvc::surfaceIntegrate(correction)->primitiveField() * V / storage;
         h.correctBoundaryConditions();
         used += correction;
     }
