@@ -1,0 +1,204 @@
+"""Prepares and runs a Hotbed case: mesh, decomposition, coupled run, picture. The verb `run` of ./hotbed."""
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILD = Path(os.environ.get("HOTBED_BUILD", ROOT / "build"))
+SOLVER = BUILD / "cfd_solver" / "hotbedFoam"
+
+
+class CaseError(Exception):
+    """A case that cannot be run; the text names file, key and mend."""
+
+
+def environment():
+    """Environment of OpenFOAM's programs and of mpirun, which refuses root and more ranks than cores otherwise."""
+    return dict(
+        os.environ,
+        WM_PROJECT_DIR="/usr/share/openfoam",
+        OMPI_ALLOW_RUN_AS_ROOT="1",
+        OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
+        OMPI_MCA_rmaps_base_oversubscribe="1",
+        OMPI_MCA_hwloc_base_binding_policy="none",
+        OMPI_MCA_btl_vader_single_copy_mechanism="none",
+    )
+
+
+ENTRY = r"(?m)^(\s*)({})(\s+)([^;]+);"
+
+
+def read_settings(path):
+    """name -> text of every entry of a settings file."""
+    return {m[2]: m[4].strip() for m in re.finditer(ENTRY.format(r"\w+"), Path(path).read_text())}
+
+
+def change_settings(path, changes):
+    """Writes new values into a settings file; an unknown name is a CaseError."""
+    text = Path(path).read_text()
+    known = read_settings(path)
+    for name, value in changes.items():
+        if name not in known:
+            raise CaseError(f"{path}: no setting '{name}'; known are {', '.join(known)}")
+        text = re.sub(ENTRY.format(re.escape(name)), lambda m: f"{m[1]}{m[2]}{m[3]}{value};", text)
+    Path(path).write_text(text)
+
+
+def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
+    """Copies a case to the folder `run`, sets its numbers, makes mesh and decomposition.
+
+    Raises CaseError where the case is not one, a setting is unknown, or `run` holds results already.
+    """
+    case, run = Path(case), Path(run)
+    for needed in ("system/controlDict", "constant/couplingProperties"):
+        if not (case / needed).is_file():
+            raise CaseError(f"{case} is not a Hotbed case: {needed} is missing")
+    if run.exists():
+        if not overwrite:
+            raise CaseError(f"{run} holds a run already: look at it, or add --overwrite to make it anew")
+        shutil.rmtree(run)
+    changes = dict(changes or {})
+    if full:
+        if not (case / "settings.full").is_file():
+            raise CaseError(f"{case} has no full size: settings.full is missing")
+        changes = {**read_settings(case / "settings.full"), **changes}
+    if changes and not (case / "settings").is_file():
+        raise CaseError(f"{case} has no settings to change: the file 'settings' is missing")
+    if changes:
+        known = read_settings(case / "settings")
+        for name in changes:
+            if name not in known:
+                raise CaseError(f"{case}/settings: no setting '{name}'; known are {', '.join(known)}")
+    shutil.copytree(case, run, ignore=shutil.ignore_patterns("README*", "plot.py", "log*", "processor*"))
+    if changes:
+        change_settings(run / "settings", changes)
+    tool(run, "blockMesh")
+    if ranks > 1:
+        tool(run, "foamDictionary", "-entry", "numberOfSubdomains", "-set", str(ranks), "system/decomposeParDict")
+        tool(run, "decomposePar")
+
+
+def tool(run, *command):
+    """Runs one of OpenFOAM's own programs in a case, its output in log.<program>."""
+    log = Path(run) / f"log.{command[0]}"
+    with open(log, "w") as out:
+        code = subprocess.call(command, cwd=run, stdout=out, stderr=subprocess.STDOUT, env=environment())
+    if code != 0:
+        raise CaseError(f"{command[0]} failed in {run}; the end of {log}:\n{tail(log)}")
+
+
+def tail(path, lines=25):
+    return "\n".join(Path(path).read_text(errors="replace").splitlines()[-lines:])
+
+
+def start(run, ranks=1, log="log.hotbedFoam"):
+    """Starts the solver in a prepared case. @return subprocess.Popen"""
+    command = [str(SOLVER), "-case", str(Path(run).resolve())]
+    if ranks > 1:
+        command = ["mpirun", "-np", str(ranks), *command, "-parallel"]
+    with open(Path(run) / log, "w") as out:
+        return subprocess.Popen(command, cwd=run, stdout=out, stderr=subprocess.STDOUT, env=environment())
+
+
+def finish(run, ranks=1, log="log.hotbedFoam"):
+    """What follows a run: one set of fields from those of the ranks."""
+    if ranks > 1:
+        tool(run, "reconstructPar")
+
+
+def progress(process, run, end, log="log.hotbedFoam"):
+    """Follows a run until it ends: simulated time and remaining wall time, one line on a terminal."""
+    terminal = sys.stdout.isatty()
+    begin, first, shown = time.time(), None, 0.0
+    while process.poll() is None:
+        time.sleep(0.25)
+        with open(Path(run) / log, "rb") as file:
+            file.seek(max(0, os.path.getsize(file.name) - 4000))
+            found = re.findall(rb"Time = (\S+)", file.read())
+        if not found:
+            continue
+        now = float(found[-1])
+        if first is None:
+            first, begin = now, time.time()
+        elapsed = time.time() - begin
+        if now > first and (terminal or elapsed - shown > 15):
+            shown = elapsed
+            left = elapsed * (end - now) / (now - first)
+            print(f"{'' if not terminal else chr(13)}  simulated {now:g} of {end:g} s, about {left:.0f} s to go   ",
+                  end="" if terminal else "\n", flush=True)
+    if terminal:
+        print()
+    return process.returncode
+
+
+def run_case(run, ranks=1):
+    """Runs a prepared case to its end. Raises CaseError with the end of the log where it fails."""
+    process = start(run, ranks)
+    try:
+        code = process.wait()
+    except BaseException:
+        process.terminate()
+        raise
+    if code != 0:
+        raise CaseError(f"the run in {run} failed (exit status {code}); the end of its log:\n"
+                        f"{tail(Path(run) / 'log.hotbedFoam')}")
+    finish(run, ranks)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="hotbed run", description="Runs a case, coupled.")
+    parser.add_argument("case", type=Path, help="folder of the case")
+    parser.add_argument("-np", type=int, default=1, metavar="N", help="MPI ranks (default 1)")
+    parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="name=value",
+                        help="changes numbers of the case's file settings")
+    parser.add_argument("--full", action="store_true", help="the full size, file settings.full")
+    parser.add_argument("--until", metavar="T", help="other end time [s]")
+    parser.add_argument("--overwrite", action="store_true", help="make a run anew that is there already")
+    parser.add_argument("--results", type=Path, default=Path("results"), help="where runs go (default: results)")
+    options = parser.parse_args()
+    try:
+        if options.np < 1:
+            raise CaseError("-np must be at least 1")
+        changes = {}
+        for item in options.set:
+            name, equals, value = item.partition("=")
+            if not equals or not value:
+                raise CaseError(f"--set {item}: write name=value")
+            changes[name] = value
+        label = ",".join((["full"] if options.full else []) + [f"{k}={v}" for k, v in changes.items()]) or "default"
+        if options.until:
+            changes["endTime"] = options.until
+        case = options.case.resolve()
+        run = options.results / case.name / label
+        prepare(case, run, changes, options.full, options.np, options.overwrite)
+        end = float(subprocess.check_output(["foamDictionary", "-entry", "endTime", "-value", "-case", str(run),
+                                             "system/controlDict"], env=environment(), text=True).split()[-1])
+        print(f"running in {run}, log in {run}/log.hotbedFoam", flush=True)
+        process = start(run, options.np)
+        try:
+            code = progress(process, run, end)
+        except KeyboardInterrupt:
+            process.terminate()
+            process.wait()
+            sys.exit("stopped")
+        log = run / "log.hotbedFoam"
+        if code != 0:
+            raise CaseError(f"the run failed (exit status {code}); the end of {log}:\n{tail(log)}")
+        finish(run, options.np)
+        text = log.read_text()
+        print(text[max(text.rfind("Energy budget"), text.rfind("\nTiming ") if "Energy budget" not in text else 0):]
+              .replace("\nEnd\n", "").strip())
+        if (case / "plot.py").is_file():
+            subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)])
+    except CaseError as problem:
+        sys.exit(f"hotbed: {problem}")
+
+
+if __name__ == "__main__":
+    main()

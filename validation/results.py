@@ -1,0 +1,99 @@
+"""Reading a run's results, and the lines and files in which figures are reported."""
+
+import json
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+
+def field(path):
+    """Internal values of an ASCII OpenFOAM field, [cells] or [cells, 3]."""
+    text = Path(path).read_text()
+    head = re.search(r"internalField\s+nonuniform\s+List<(\w+)>\s*(\d+)\s*\(", text)
+    if not head:
+        raise ValueError(f"{path}: no nonuniform internalField")
+    values = text[head.end():text.index("\n)", head.end())]
+    if head[1] == "vector":
+        return np.array(values.replace("(", " ").replace(")", " ").split(), float).reshape(-1, 3)
+    return np.array(values.split(), float)
+
+
+def layers(path):
+    """Profiles that LIGGGHTS' fix ave/spatial wrote: step -> array [bins, 3] of height, particles, mean value."""
+    profiles, rows = {}, None
+    for line in Path(path).read_text().splitlines():
+        word = line.split()
+        if line.startswith("#") or not word:
+            continue
+        if len(word) == 2:
+            rows = profiles.setdefault(int(word[0]), [])
+        else:
+            rows.append([float(w) for w in word[1:4]])
+    return {step: np.array([r for r in rows if r[1] > 0]) for step, rows in profiles.items()}
+
+
+def bed(run):
+    """bed.csv of a run as a structured array."""
+    path = next(Path(run).glob("postProcessing/hotbed/*/bed.csv"))
+    return np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True))
+
+
+def timing(run):
+    """phase -> mean seconds a step, from the table that closes the log; with `memory` in MiB."""
+    text = (Path(run) / "log.hotbedFoam").read_text()
+    table = {m[1].strip(): float(m[2]) for m in
+             re.finditer(r"(?m)^    (\S.{26}\S?)\s+[\d.]+\s+[\d.]+\s+([\d.]+)\s+[\d.]+ %$", text)}
+    table["memory"] = float(re.search(r"peak memory of a rank\s+([\d.]+) MiB", text)[1])
+    return table
+
+
+class Figures:
+    """Collects figures `name value bound PASS|FAIL`, prints each, writes results/NAME.json at the end."""
+
+    def __init__(self, name, folder=Path("results")):
+        self.name, self.folder, self.rows, self.begin = name, Path(folder), [], time.time()
+
+    def add(self, name, value, bound, text=None):
+        """A figure that must not exceed its bound (nan fails)."""
+        passed = bool(value <= bound)
+        self.rows.append({"name": name, "value": float(value), "bound": float(bound), "pass": passed})
+        print(f"{name:68s} {value:10.3e} {'<= %.3g' % bound:>12s} {'PASS' if passed else 'FAIL'}"
+              f"{'  ' + text if text else ''}", flush=True)
+
+    def note(self, name, value):
+        """Something measured that has no bound."""
+        self.rows.append({"name": name, "value": value})
+        print(f"{name:68s} {value if isinstance(value, str) else '%.4g' % value}", flush=True)
+
+    def close(self):
+        """Writes the JSON; @return exit status."""
+        failed = [r for r in self.rows if r.get("pass") is False]
+        self.folder.mkdir(parents=True, exist_ok=True)
+        record = {"command": "./hotbed " + " ".join(["validate", self.name, *sys.argv[1:]]), "versions": versions(),
+                  "machine": machine(), "date": time.strftime("%Y-%m-%d"), "seconds": round(time.time() - self.begin),
+                  "figures": self.rows}
+        suffix = "-quick" if "--quick" in sys.argv else ""
+        path = self.folder / f"{self.name}{suffix}.json"
+        path.write_text(json.dumps(record, indent=1) + "\n")
+        print(f"{len(self.rows) - len(failed)} figures fine, {len(failed)} failed; written to {path}")
+        return 1 if failed else 0
+
+
+def versions():
+    """Package versions that the figures were made with, and Hotbed's own."""
+    out = subprocess.run(["dpkg-query", "-W", "-f", "${Package} ${Version}\n", "libopenfoam", "libliggghts3",
+                          "libopenmpi3"], capture_output=True, text=True).stdout
+    versions = dict(line.split() for line in out.splitlines())
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=Path(__file__).parent,
+                            capture_output=True, text=True).stdout.strip()
+    return {**versions, "hotbed": commit}
+
+
+def machine():
+    """Model of the processor."""
+    found = re.search(r"model name\s*:\s*(.*)", Path("/proc/cpuinfo").read_text())
+    return found[1] if found else "unknown"
