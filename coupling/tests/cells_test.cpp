@@ -1,0 +1,172 @@
+#include "cells.hpp"
+#include "deen_kernel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+using namespace hotbed;
+
+namespace
+{
+
+std::vector<double> faces(int n, double low, double high, double grading)
+{
+    std::vector<double> face(n + 1);
+    for (int i = 0; i <= n; ++i) face[i] = low + (high - low) * std::pow(double(i) / n, grading);
+    return face;
+}
+
+std::vector<Box> grid(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z)
+{
+    std::vector<Box> boxes;
+    for (std::size_t k = 0; k + 1 < z.size(); ++k)
+        for (std::size_t j = 0; j + 1 < y.size(); ++j)
+            for (std::size_t i = 0; i + 1 < x.size(); ++i)
+                boxes.push_back({{{x[i], y[j], z[k]}}, {{x[i + 1], y[j + 1], z[k + 1]}}});
+    return boxes;
+}
+
+const Box unit{{{0, 0, 0}}, {{1, 1, 1}}};
+
+std::map<int, double> masses(const Cells& cells, const Point& x, double n)
+{
+    CellMass out;
+    cells.append(x, n, out);
+    std::map<int, double> mass;
+    for (std::size_t e = 0; e < out.cell.size(); ++e) mass[out.cell[e]] += out.mass[e];
+    return mass;
+}
+
+double sum(const std::map<int, double>& mass)
+{
+    return std::accumulate(mass.begin(), mass.end(), 0.0, [](double s, const auto& e) { return s + e.second; });
+}
+
+/// Simpson integration of Deen's polynomial itself, to compare the closed form with
+double integrated(double from, double to)
+{
+    from = std::max(from, -1.0);
+    to = std::min(to, 1.0);
+    if (from >= to) return 0.0;
+    const int steps = 400;
+    const double h = (to - from) / steps;
+    double s = 0.0;
+    for (int i = 0; i <= steps; ++i)
+    {
+        const double x = from + i * h;
+        s += std::pow(1 - x * x, 2) * (i == 0 || i == steps ? 1 : i % 2 ? 4 : 2);
+    }
+    return 15.0 / 16.0 * s * h / 3.0;
+}
+
+} // namespace
+
+TEST(DeenKernel, ClosedFormIsTheIntegralOfThePolynomial)
+{
+    for (double x = -1.2; x < 1.2; x += 0.07) EXPECT_NEAR(deenMassBelow(x), integrated(-1, x), 1e-9) << x;
+    EXPECT_NEAR(deenMassBelow(-7), 0.0, 3e-16);
+    EXPECT_NEAR(deenMassBelow(7), 1.0, 3e-16);
+}
+
+TEST(BoxCells, MassIsTheProductOfOneDimensionalIntegrals)
+{
+    for (const double grading : {1.0, 1.6})
+    {
+        const auto x = faces(7, 0, 1, grading), y = faces(5, 0, 1, 1.0), z = faces(9, 0, 1, grading);
+        const BoxCells cells(grid(x, y, z), Box{});
+        const Point at{{0.43, 0.52, 0.61}};
+        const double n = 0.31;
+        const auto mass = masses(cells, at, n);
+        for (const auto& [c, m] : mass)
+        {
+            const int i = c % 7, j = c / 7 % 5, k = c / 35;
+            EXPECT_NEAR(m,
+                        integrated((x[i] - at[0]) / n, (x[i + 1] - at[0]) / n) *
+                            integrated((y[j] - at[1]) / n, (y[j + 1] - at[1]) / n) *
+                            integrated((z[k] - at[2]) / n, (z[k + 1] - at[2]) / n),
+                        1e-9);
+        }
+        EXPECT_NEAR(sum(mass), 1.0, 1e-13);
+    }
+}
+
+TEST(BoxCells, CellsOfDifferentSizesSideBySide)
+{
+    // a coarse half beside a fine half: no tensor grid
+    auto boxes = grid(faces(2, 0, 0.5, 1), faces(4, 0, 1, 1), faces(4, 0, 1, 1));
+    const auto fine = grid(faces(5, 0.5, 1, 1), faces(7, 0, 1, 1), faces(3, 0, 1, 1));
+    boxes.insert(boxes.end(), fine.begin(), fine.end());
+    const BoxCells cells(boxes, Box{});
+    EXPECT_NEAR(sum(masses(cells, {{0.5, 0.5, 0.5}}, 0.3)), 1.0, 1e-13);
+    double total = 0.0;
+    for (int c = 0; c < cells.size(); ++c) total += masses(cells, {{0.45, 0.5, 0.5}}, 0.2)[c];
+    EXPECT_NEAR(total, 1.0, 1e-13);
+}
+
+TEST(BoxCells, KernelIsFoldedBackAtTheWallsOfABox)
+{
+    const BoxCells folded(grid(faces(8, 0, 1, 1), faces(8, 0, 1, 1), faces(8, 0, 1, 1)), unit);
+    const BoxCells cut(grid(faces(8, 0, 1, 1), faces(8, 0, 1, 1), faces(8, 0, 1, 1)), Box{});
+    for (const Point& x : {Point{{0.01, 0.5, 0.5}}, Point{{0.01, 0.99, 0.02}}, Point{{0, 0, 0}}, Point{{1, 1, 1}}})
+    {
+        EXPECT_NEAR(sum(masses(folded, x, 0.2)), 1.0, 1e-13);
+        EXPECT_LT(sum(masses(cut, x, 0.2)), 0.7);
+    }
+}
+
+TEST(BoxCells, EvenPackingHasEvenVoidageUpToTheWalls)
+{
+    const BoxCells cells(grid(faces(10, 0, 1, 1), faces(1, 0, 1, 1), faces(1, 0, 1, 1)), unit);
+    std::map<int, double> solids;
+    const int particles = 40;
+    for (int i = 0; i < particles; ++i)
+        for (const auto& [c, m] : masses(cells, {{(i + 0.5) / particles, 0.5, 0.5}}, 0.12)) solids[c] += m;
+    for (const auto& [c, s] : solids) EXPECT_NEAR(s, 4.0, 0.004) << c;
+}
+
+TEST(BoxCells, ContainsItsSurfaceAndNothingBeyond)
+{
+    const BoxCells cells(grid(faces(3, 0, 1, 1), faces(3, 0, 1, 1), faces(3, 0, 1, 1)), unit);
+    EXPECT_TRUE(cells.contains({{0, 0, 0}}));
+    EXPECT_TRUE(cells.contains({{1, 1, 1}}));
+    EXPECT_TRUE(cells.contains({{1.0 / 3, 2.0 / 3, 0.4}}));
+    EXPECT_FALSE(cells.contains({{1.0001, 0.5, 0.5}}));
+    EXPECT_FALSE(cells.contains({{0.5, -1e-9, 0.5}}));
+    EXPECT_FALSE(cells.contains({{0.5, 0.5, std::nan("")}}));
+}
+
+TEST(BoxCells, RankWithoutCells)
+{
+    const BoxCells none({}, unit);
+    EXPECT_TRUE(masses(none, {{0.5, 0.5, 0.5}}, 0.2).empty());
+    EXPECT_FALSE(none.contains({{0.5, 0.5, 0.5}}));
+    EXPECT_GT(none.bounds().low[0], none.bounds().high[0]);
+}
+
+TEST(SampledCells, ConvergesToTheExactIntegrals)
+{
+    const BoxCells exact(grid(faces(6, 0, 1, 1), faces(6, 0, 1, 1), faces(6, 0, 1, 1)), Box{});
+    const auto locate = [](const Point& x)
+    {
+        for (const double v : x)
+            if (v < 0 || v > 1) return -1;
+        const auto i = [](double v) { return std::min(5, int(v * 6)); };
+        return (i(x[2]) * 6 + i(x[1])) * 6 + i(x[0]);
+    };
+    const Point at{{0.47, 0.52, 0.38}};
+    const auto reference = masses(exact, at, 0.25);
+    double before = 2.0; // no overlap at all
+    for (const int samples : {4, 16, 64})
+    {
+        const auto mass = masses(SampledCells(216, unit, locate, samples), at, 0.25);
+        double error = 0.0;
+        for (const auto& [c, m] : reference) error += std::abs(m - (mass.count(c) ? mass.at(c) : 0.0));
+        EXPECT_LT(error, 0.5 * before) << samples;
+        EXPECT_NEAR(sum(mass), 1.0, 1e-12);
+        before = error;
+    }
+    EXPECT_LT(before, 0.03);
+}

@@ -1,0 +1,76 @@
+#include "closures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+using namespace hotbed;
+
+namespace
+{
+
+double evaluate(const std::string& function, double a, double b, double c)
+{
+    if (function == "beetstra") return beetstra(a, b);
+    if (function == "gunn") return gunn(a, b, c);
+    if (function == "effectiveConductivity") return effectiveConductivity(a);
+    if (function == "dashpot") return dashpot(a, b, c);
+    if (function == "tangentialStiffness") return tangentialStiffness(a, b, c);
+    ADD_FAILURE() << "unknown function " << function;
+    return 0.0;
+}
+
+} // namespace
+
+TEST(Closures, AgreeWithFiftyDigitArithmetic)
+{
+    std::ifstream table(CLOSURES_REFERENCE);
+    int rows = 0;
+    for (std::string line; std::getline(table, line); ++rows)
+    {
+        std::istringstream row(line);
+        std::string function, a, b, c, value;
+        std::getline(row, function, ',');
+        std::getline(row, a, ',');
+        std::getline(row, b, ',');
+        std::getline(row, c, ',');
+        std::getline(row, value);
+        const double expected = std::stod(value);
+        EXPECT_NEAR(evaluate(function, std::stod(a), std::stod(b), std::stod(c)), expected, 1e-13 * std::abs(expected))
+            << line;
+    }
+    EXPECT_EQ(rows, 347);
+}
+
+TEST(Closures, TableTwoOfThePaper)
+{
+    const double mass = 1040.0 * M_PI / 6.0 * std::pow(5e-4, 3);
+    const double kt = tangentialStiffness(500.0, 0.74, 0.1);
+    EXPECT_NEAR(mass, 6.807e-8, 0.0005e-8);
+    EXPECT_NEAR(kt, 217.60, 0.005);
+    EXPECT_NEAR(dashpot(0.74, 500.0, mass / 2), 7.87e-4, 0.005e-4);
+    EXPECT_NEAR(dashpot(0.1, kt, mass / 7), 1.72e-3, 0.005e-3);
+}
+
+TEST(Closures, BeetstraIsFiniteAndContinuousTowardsRest)
+{
+    const double rest = beetstra(0.4, 0.0);
+    EXPECT_TRUE(std::isfinite(rest));
+    EXPECT_NEAR(beetstra(0.4, 1e-300), rest, 1e-12 * rest);
+}
+
+TEST(Closures, CoarseDragAndHeatStandForLCubedOriginals)
+{
+    const double d = 5e-4;
+    for (const double l : {1.0, 1.5, 2.5, 7.0})
+    {
+        EXPECT_NEAR(dragCoefficient(3.0, 1.8e-5, 0.4, d, l), l * l * l * dragCoefficient(3.0, 1.8e-5, 0.4, d, 1.0),
+                    1e-18);
+        // h_c A_c with h_c = Nu k / d_c l^2 and A_c = pi d_c^2 (eq 21)
+        const double hc = 7.0 * 0.025 / (l * d) * l * l;
+        EXPECT_NEAR(heatConductance(7.0, 0.025, d, l), hc * M_PI * (l * d) * (l * d), 1e-16);
+    }
+}
