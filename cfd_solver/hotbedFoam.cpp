@@ -35,6 +35,11 @@ void enterCase(int& argc, char** argv)
             std::cerr << "hotbedFoam: no case directory '" << argv[i + 1] << "'\n";
             std::exit(1);
         }
+        if (char* here = getcwd(nullptr, 0)) // OpenFOAM trusts PWD
+        {
+            setenv("PWD", here, 1);
+            std::free(here);
+        }
         std::copy(argv + i + 2, argv + argc + 1, argv + i);
         argc -= 2;
         return;
@@ -67,10 +72,30 @@ void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
     runTime.setDeltaT(steps * dem.timestep(), false);
 }
 
+/// The solver is compiled against the headers of one version of OpenFOAM and must run with that very library.
+void checkVersion()
+{
+    const std::string library = std::to_string(foamVersion::api) + "." + foamVersion::patch;
+    const std::string headers = HOTBED_OPENFOAM_HEADERS;
+    if (headers.compare(0, library.size(), library) != 0)
+        FatalErrorInFunction << "hotbedFoam is built with the headers of OpenFOAM " << headers.c_str()
+                             << ", but the installed library is " << library.c_str()
+                             << ": remove the folder build and build again (./hotbed test --quick)" << exit(FatalError);
+}
+
+void refuseRestart(const Time& runTime)
+{
+    if (runTime.timeIndex() != 0 || runTime.value() > 0)
+        FatalErrorInFunction << "the run would start at " << runTime.timeName()
+                             << " s, but particle temperatures are not restarted yet: set startFrom startTime and "
+                             << "startTime 0 in system/controlDict" << exit(FatalError);
+}
+
 void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettings& settings)
 {
     const label particles = returnReduce(label(dem.size()), sumOp<label>());
-    Info << nl << "Hotbed " << HOTBED_VERSION << " with LIGGGHTS and OpenFOAM " << foamVersion::version.c_str() << nl
+    Info << nl << "Hotbed " << HOTBED_VERSION << " with LIGGGHTS " << HOTBED_LIGGGHTS << " and OpenFOAM "
+         << HOTBED_OPENFOAM_HEADERS << nl
          << "    particles         " << particles << " coarse, ratio l = " << dem.ratio() << ", stand for "
          << particles * std::pow(dem.ratio(), 3) << nl << "    drag              "
          << (settings.drag ? "Beetstra" : "left out") << nl << "    heat transfer     "
@@ -97,7 +122,9 @@ int main(int argc, char* argv[])
     const double start = MPI_Wtime();
     long steps = 0;
     {
+        checkVersion();
         Time runTime(Time::controlDictName, args);
+        refuseRestart(runTime);
         const CouplingSettings settings(runTime);
         Timing timing;
         std::unique_ptr<Dem> dem;

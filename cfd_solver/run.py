@@ -27,6 +27,7 @@ def environment():
         OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
         OMPI_MCA_rmaps_base_oversubscribe="1",
         OMPI_MCA_hwloc_base_binding_policy="none",
+        OMPI_MCA_mpi_yield_when_idle="1",
         OMPI_MCA_btl_vader_single_copy_mechanism="none",
     )
 
@@ -177,8 +178,8 @@ def main():
         case = options.case.resolve()
         run = options.results / case.name / label
         prepare(case, run, changes, options.full, options.np, options.overwrite)
-        end = float(subprocess.check_output(["foamDictionary", "-entry", "endTime", "-value", "-case", str(run),
-                                             "system/controlDict"], env=environment(), text=True).split()[-1])
+        end = float(subprocess.check_output(["foamDictionary", "-entry", "endTime", "-value", "system/controlDict"],
+                                            cwd=run, env=environment(), text=True).split()[-1])
         print(f"running in {run}, log in {run}/log.hotbedFoam", flush=True)
         process = start(run, options.np)
         try:

@@ -1,0 +1,55 @@
+"""Small coupled scenes for the tests, made from the fixed-bed example in a temporary folder."""
+
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "cfd_solver"), str(ROOT / "validation")]
+import run
+
+FIXED_BED = ROOT / "examples" / "fixed_bed"
+SMALL = {"l": "2.5", "height": "0.03", "cellsHeight": "20", "endTime": "0.1", "writeInterval": "0.1"}
+
+
+class CoupledTest(unittest.TestCase):
+    """A test with a folder of its own for its runs."""
+
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = Path(self._folder.name)
+
+    def tearDown(self):
+        self._folder.cleanup()
+
+    def scene(self, name="scene", ranks=1, edits=(), **settings):
+        """A prepared small fixed bed. @param edits (file, pattern, replacement) made before the mesh"""
+        case = self.folder / f"{name}-case"
+        copy(FIXED_BED, case)
+        for file, pattern, replacement in edits:
+            edit(case / file, pattern, replacement)
+        target = self.folder / name
+        run.prepare(case, target, {**SMALL, **{k: str(v) for k, v in settings.items()}}, ranks=ranks)
+        return target
+
+    def solve(self, target, ranks=1):
+        """@return (exit status, log)"""
+        process = run.start(target, ranks)
+        code = process.wait(timeout=300)
+        return code, (target / "log.hotbedFoam").read_text()
+
+
+def copy(source, target):
+    import shutil
+
+    shutil.copytree(source, target)
+
+
+def edit(path, pattern, replacement):
+    """Replaces a regular expression in a file; it must be there."""
+    text = path.read_text()
+    changed, count = re.subn(pattern, replacement, text, flags=re.M)
+    assert count, f"{path}: nothing matches {pattern}"
+    path.write_text(changed)

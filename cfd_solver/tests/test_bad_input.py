@@ -1,0 +1,125 @@
+"""Bad input ends with an error that names file, key and mend, before anything is computed, and nothing is overwritten."""
+
+import os
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+from scenes import CoupledTest, FIXED_BED, SMALL, copy, edit, run
+
+PROPERTIES, SCRIPT = "constant/couplingProperties", "DEM/in.fixed_bed"
+NAME = "couplingProperties"
+
+# what is wrong: (file, pattern, replacement, all of this must stand in the error)
+CASES = {
+    "missing demScript": (PROPERTIES, r"^demScript.*", "", ["demScript", NAME]),
+    "missing kernel": (PROPERTIES, r"^kernel\s.*", "", ["kernel", NAME]),
+    "missing drag": (PROPERTIES, r"^drag.*", "", ["drag", NAME]),
+    "missing heatTransfer": (PROPERTIES, r"^heatTransfer.*", "", ["heatTransfer", NAME]),
+    "misspelt key": (PROPERTIES, r"^kernelWidth", "kernelWitdh", ["unknown key 'kernelWitdh'", "kernelWidth", NAME]),
+    "unknown drag law": (PROPERTIES, r"Beetstra;", "Bestra;", ["unknown drag 'Bestra'", "Beetstra", NAME]),
+    "unknown heat law": (PROPERTIES, r"Gunn;", "Gun;", ["unknown heatTransfer 'Gun'", "Gunn", NAME]),
+    "unknown kernel": (PROPERTIES, r"Deen;", "Dean;", ["unknown kernel 'Dean'", "Deen", NAME]),
+    "negative width": (PROPERTIES, r"kernelWidth.*", "kernelWidth -3;", ["kernelWidth must be a number > 0", NAME]),
+    "zero width": (PROPERTIES, r"kernelWidth.*", "kernelWidth 0;", ["kernelWidth must be a number > 0", NAME]),
+    "width is a word": (PROPERTIES, r"kernelWidth.*", "kernelWidth wide;", ["kernelWidth", NAME]),
+    "two widths": (PROPERTIES, r"(kernelWidth.*)", r"\1\nwindowLength 1e-3;", ["kernelWidth and windowLength", NAME]),
+    "negative window": (PROPERTIES, r"kernelWidth.*", "windowLength -1;", ["windowLength must be a number > 0", NAME]),
+    "no samples": (PROPERTIES, r"(kernelWidth.*)", r"\1\nkernelSamples 0;", ["kernelSamples must be from 1 to 64", NAME]),
+    "gradient neither on nor off": (PROPERTIES, r"(kernelWidth.*)", r"\1\ntemperatureGradient maybe;", ["temperatureGradient"]),
+    "l of zero": ("settings", r"^l .*", "l 0;", ["ratio must be a number > 0, not '0'", SCRIPT]),
+    "negative l": ("settings", r"^l .*", "l -2;", ["ratio must be a number > 0, not '-2'", SCRIPT]),
+    "l given twice": (SCRIPT, r"^(fix\s+cg .*)", r"\1\nfix again all hotbed/coarsegrain ratio 2",
+                      ["given already, by fix cg", SCRIPT]),
+    "no heat capacity": (SCRIPT, r"^fix\s+capacity.*", "", ["heat capacity is missing: add", "thermalCapacity", SCRIPT]),
+    "particles outside the mesh": ("system/blockMeshDict", r"0\.015", "0.012", ["outside the mesh", "blockMeshDict"]),
+    "DEM script missing": (PROPERTIES, r"in\.fixed_bed", "in.nothing", ["cannot read the DEM script 'DEM/in.nothing'"]),
+    "DEM script fails half-way": (SCRIPT, r"^set .*", "sett group all diameter 1", ["Unknown command", "sett", SCRIPT]),
+    "DEM script without a box": (SCRIPT, r"[\s\S]*", "units si\n", ["makes no simulation box", SCRIPT]),
+    "gas step no whole number of DEM steps": (SCRIPT, r"^timestep.*", "timestep 1e-3",
+                                              ["whole number", "deltaT", "controlDict", "timestep", SCRIPT]),
+    "gas step shorter than a DEM step": (SCRIPT, r"^timestep.*", "timestep 1", ["whole number", "deltaT"]),
+    "restart": ("system/controlDict", r"^startTime.*", "startTime 1;", ["controlDict", "startTime 0"]),
+    "energy in e": ("constant/thermophysicalProperties", r"sensibleEnthalpy", "sensibleInternalEnergy", ["h"]),
+}
+
+
+class BadInput(CoupledTest):
+    def test_errors(self):
+        for name, (file, pattern, replacement, expected) in CASES.items():
+            with self.subTest(name):
+                target = self.scene(name.replace(" ", "_"), edits=[])
+                edit(target / file, pattern, replacement)
+                if file in ("system/blockMeshDict",):
+                    run.tool(target, "blockMesh")
+                if file == "system/controlDict":
+                    (target / "1").mkdir()
+                    for field in (target / "0").iterdir():
+                        (target / "1" / field.name).write_text(field.read_text())
+                before = {p: p.stat().st_mtime_ns for p in target.rglob("*") if p.is_file()}
+                code, log = self.solve(target)
+                self.assertNotEqual(code, 0)
+                for text in expected:
+                    self.assertIn(text, log)
+                self.assertNotIn("Time = 0.", log, "something was computed")
+                kept = {p: p.stat().st_mtime_ns for p in before if p.exists()}
+                self.assertEqual(before, kept, "a file was changed")
+                self.assertFalse((target / "0.1").exists())
+
+    def test_errors_in_parallel(self):
+        for name in ("l of zero", "misspelt key", "particles outside the mesh", "DEM script fails half-way"):
+            with self.subTest(name):
+                file, pattern, replacement, expected = CASES[name]
+                target = self.scene(name.replace(" ", "_"), 2, [(file, pattern, replacement)],
+                                    **({"l": -2 if "zero" in name else SMALL["l"]}))
+                code, log = self.solve(target, 2)
+                self.assertNotEqual(code, 0)
+                for text in expected if "zero" not in name else ["ratio must be a number > 0, not '-2'"]:
+                    self.assertIn(text, log)
+
+    def test_headers_of_another_version(self):
+        # a library that says it is another version, put before the installed one
+        source = self.folder / "other.cpp"
+        source.write_text("#include <string>\nnamespace Foam { namespace foamVersion { extern const int api; "
+                          "const int api = 1806; } }\n")
+        subprocess.check_call(["g++", "-shared", "-fPIC", "-o", self.folder / "libother.so", source])
+        target = self.scene()
+        done = subprocess.run([run.SOLVER, "-case", target], capture_output=True, text=True,
+                              env=dict(run.environment(), LD_PRELOAD=str(self.folder / "libother.so")))
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("built with the headers of OpenFOAM 1912", done.stdout + done.stderr)
+        self.assertIn("the installed library is 1806", done.stdout + done.stderr)
+        self.assertIn("remove the folder build", done.stdout + done.stderr)
+
+
+class RunCommand(CoupledTest):
+    def command(self, *arguments):
+        return subprocess.run([sys.executable, run.__file__, *map(str, arguments), "--results", self.folder / "results"],
+                              capture_output=True, text=True)
+
+    def test_refusals(self):
+        for arguments, expected in {
+            (self.folder,): "is not a Hotbed case: system/controlDict is missing",
+            (FIXED_BED, "--set", "ratio=2"): "no setting 'ratio'; known are l, height",
+            (FIXED_BED, "--set", "l"): "write name=value",
+            (FIXED_BED, "-np", "0"): "-np must be at least 1",
+        }.items():
+            with self.subTest(expected):
+                done = self.command(*arguments)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(expected, done.stderr)
+
+    def test_results_are_not_overwritten(self):
+        small = ["--set", *(f"{k}={v}" for k, v in SMALL.items())]
+        self.assertEqual(self.command(FIXED_BED, *small).returncode, 0)
+        written = {p: p.stat().st_mtime_ns for p in (self.folder / "results").rglob("*")}
+        again = self.command(FIXED_BED, *small)
+        self.assertNotEqual(again.returncode, 0)
+        self.assertIn("holds a run already: look at it, or add --overwrite", again.stderr)
+        self.assertEqual(written, {p: p.stat().st_mtime_ns for p in (self.folder / "results").rglob("*")})
+        self.assertEqual(self.command(FIXED_BED, *small, "--overwrite").returncode, 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
