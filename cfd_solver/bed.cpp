@@ -64,8 +64,8 @@ void Bed::record()
         const double error = exchanged_ > 0 ? (change - inflow_) / exchanged_ : 0.0;
         if (csv_.is_open())
             csv_ << ',' << sum / particles << ',' << low << ',' << high << ',' << nusselt / particles << ',' << gasLow
-                 << ',' << gasHigh << ',' << gasEnergy_ << ',' << particleEnergy_ << ',' << inflow_ << ','
-                 << exchanged_ << ',' << error;
+                 << ',' << gasHigh << ',' << gasEnergy_ << ',' << particleEnergy_ << ',' << inflow_ << ',' << exchanged_
+                 << ',' << error;
     }
     if (csv_.is_open()) csv_ << '\n';
 }
@@ -77,8 +77,8 @@ void Bed::report(Ostream& out) const
     out << "Energy budget [J]" << nl << "    gained by the gas           " << gas << nl
         << "    gained by the particles     " << particles << nl << "    came in with the gas        " << inflow_ << nl
         << "    exchanged gas-particles     " << exchanged_ << nl << "    not accounted for           "
-        << gas + particles - inflow_ << " = "
-        << (exchanged_ > 0 ? (gas + particles - inflow_) / exchanged_ : 0.0) << " of the exchange" << nl;
+        << gas + particles - inflow_ << " = " << (exchanged_ > 0 ? (gas + particles - inflow_) / exchanged_ : 0.0)
+        << " of the exchange" << nl;
 }
 
 } // namespace hotbed

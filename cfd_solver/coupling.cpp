@@ -76,8 +76,7 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
     auto search = std::make_shared<meshSearch>(mesh_);
     return std::make_unique<SampledCells>(
         int(mesh_.nCells()), bounds,
-        [search](const Point& x) { return int(search->findCell(point(x[0], x[1], x[2]))); },
-        settings.kernelSamples);
+        [search](const Point& x) { return int(search->findCell(point(x[0], x[1], x[2]))); }, settings.kernelSamples);
 }
 
 void Coupling::refuseOutside(const std::vector<char>& inside) const
@@ -98,9 +97,8 @@ void Coupling::refuseOutside(const std::vector<char>& inside) const
     }
     reduce(outside, sumOp<label>());
     if (outside)
-        FatalErrorInFunction << outside << " particles of " << settings_.demScript
-                             << " lie outside the mesh " << mesh_.bounds()
-                             << ": place them inside it, or enlarge the mesh in system/blockMeshDict"
+        FatalErrorInFunction << outside << " particles of " << settings_.demScript << " lie outside the mesh "
+                             << mesh_.bounds() << ": place them inside it, or enlarge the mesh in system/blockMeshDict"
                              << exit(FatalError);
 }
 
@@ -283,8 +281,8 @@ void Coupling::gasToParticles()
             if (!(sum[0] > 0.0)) continue;
             scalar change = 0.0; // the most that a particle of this cell can be off its reading
             for (int a = 0; a < 3; ++a)
-                change += mag(gradient[c][a]) *
-                          (reach + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
+                change +=
+                    mag(gradient[c][a]) * (reach + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
             const scalar room = max(min(T[c] - lowest, highest - T[c]), 0.0);
             if (change > room) gradient[c] *= room / change;
         }

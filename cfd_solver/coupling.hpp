@@ -49,13 +49,13 @@ private:
     Mapping mapping_;
     bool mapped_ = false;
 
-    std::vector<double> halfWidth_;       ///< kernel, by particle [m]
-    std::vector<double> drag_;            ///< by particle: B, B v (moving particles only)
-    std::vector<double> heatGiven_;       ///< by particle: G, X, T, decay; see heatToGas
-    std::vector<double> conductance_;     ///< h A, by particle [W/K]
-    std::vector<double> heatReceived_;    ///< heat received over a step, by particle [J]
-    std::vector<double> cellHeat_;        ///< by cell: sum w of G, X, G T, G decay, G x (3)
-    std::vector<double> early_;           ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
+    std::vector<double> halfWidth_;    ///< kernel, by particle [m]
+    std::vector<double> drag_;         ///< by particle: B, B v (moving particles only)
+    std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
+    std::vector<double> conductance_;  ///< h A, by particle [W/K]
+    std::vector<double> heatReceived_; ///< heat received over a step, by particle [J]
+    std::vector<double> cellHeat_;     ///< by cell: sum w of G, X, G T, G decay, G x (3)
+    std::vector<double> early_;        ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_;
     double heatExchanged_ = 0;
 };

@@ -75,8 +75,8 @@ void Gas::advance()
 void Gas::continuity()
 {
     // eq 1, explicit: what phi brings is what the cell holds, to round-off
-    mass_.primitiveFieldRef() = mass_.oldTime().primitiveField() -
-                                mesh_.time().deltaTValue() * fvc::div(phi_)->primitiveField();
+    mass_.primitiveFieldRef() =
+        mass_.oldTime().primitiveField() - mesh_.time().deltaTValue() * fvc::div(phi_)->primitiveField();
     mass_.boundaryFieldRef() = voidage_.boundaryField() * rho_.boundaryField();
     mass_.correctBoundaryConditions();
 }
@@ -109,8 +109,8 @@ void Gas::pressure()
     const surfaceScalarField massf(fvc::interpolate(mass));
     const surfaceScalarField rAUf("rAUf", massf * fvc::interpolate(voidage_ * rAU));
 
-    surfaceScalarField phiHbyA("phiHbyA", massf * fvc::flux(HbyA) +
-                                              massf * fvc::interpolate(rAU) * fvc::ddtCorr(mass_, U_, phi_));
+    surfaceScalarField phiHbyA("phiHbyA",
+                               massf * fvc::flux(HbyA) + massf * fvc::interpolate(rAU) * fvc::ddtCorr(mass_, U_, phi_));
     constrainPressure(p_, mass, U_, phiHbyA, rAUf);
 
     const dimensionedScalar rDeltaT = 1.0 / mesh_.time().deltaT();
@@ -149,8 +149,8 @@ tmp<volScalarField> Gas::diffusivity() const
 namespace
 {
 
-/// Zalesak's limiter (J. Comput. Phys. 31 (1979) 335): scales face fluxes down until no cell leaves the range of its own
-/// and its neighbours' values. Fluxes through the boundary of the domain are taken out.
+/// Zalesak's limiter (J. Comput. Phys. 31 (1979) 335): scales face fluxes down until no cell leaves the range of its
+/// own and its neighbours' values. Fluxes through the boundary of the domain are taken out.
 /// @param h           field before the correction, with up-to-date boundary values
 /// @param storage     change of the cell's content over that of its value, by cell
 /// @param correction  face fluxes out of the owner, limited on return
@@ -201,9 +201,8 @@ void limitCorrection(const volScalarField& h, const scalarField& storage, surfac
     }
     takes.correctBoundaryConditions();
     gives.correctBoundaryConditions();
-    forAll(owner, f)
-        correction[f] *= correction[f] > 0 ? min(gives[owner[f]], takes[neighbour[f]])
-                                           : min(takes[owner[f]], gives[neighbour[f]]);
+    forAll(owner, f) correction[f] *=
+        correction[f] > 0 ? min(gives[owner[f]], takes[neighbour[f]]) : min(takes[owner[f]], gives[neighbour[f]]);
     forAll(h.boundaryField(), patch)
     {
         if (!h.boundaryField()[patch].coupled()) continue;
@@ -211,8 +210,8 @@ void limitCorrection(const volScalarField& h, const scalarField& storage, surfac
         const labelUList& cells = mesh.boundary()[patch].faceCells();
         const scalarField takesThere(takes.boundaryField()[patch].patchNeighbourField());
         const scalarField givesThere(gives.boundaryField()[patch].patchNeighbourField());
-        forAll(cells, f)
-            flux[f] *= flux[f] > 0 ? min(gives[cells[f]], takesThere[f]) : min(takes[cells[f]], givesThere[f]);
+        forAll(cells, f) flux[f] *=
+            flux[f] > 0 ? min(gives[cells[f]], takesThere[f]) : min(takes[cells[f]], givesThere[f]);
     }
 }
 
@@ -232,8 +231,8 @@ void Gas::energy()
     const scalarField implicitPart(exchange_.conductance / Cp); // per enthalpy [kg/s]
 
     const tmp<volScalarField> alpha = diffusivity();
-    const fv::gaussConvectionScheme<scalar> convection(mesh_, phi_, tmp<surfaceInterpolationScheme<scalar>>(
-                                                                        new upwind<scalar>(mesh_, phi_)));
+    const fv::gaussConvectionScheme<scalar> convection(
+        mesh_, phi_, tmp<surfaceInterpolationScheme<scalar>>(new upwind<scalar>(mesh_, phi_)));
     fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - fvm::laplacian(alpha(), h));
     hEqn.diag() += implicitPart;
     hEqn.source() += exchange_.heatSource - exchange_.conductance * T0 + implicitPart * h0;
@@ -245,8 +244,9 @@ void Gas::energy()
     {
         if (mesh_.boundary()[patch].coupled()) continue;
         const fvPatchScalarField& face = h.boundaryField()[patch];
-        energyInflow_ -= dt * sum(phi_.boundaryField()[patch] * face -
-                                  alpha().boundaryField()[patch] * mesh_.magSf().boundaryField()[patch] * face.snGrad());
+        energyInflow_ -=
+            dt * sum(phi_.boundaryField()[patch] * face -
+                     alpha().boundaryField()[patch] * mesh_.magSf().boundaryField()[patch] * face.snGrad());
     }
     reduce(energyInflow_, sumOp<scalar>());
 

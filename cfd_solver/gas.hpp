@@ -11,10 +11,10 @@ namespace hotbed
 /// What the particles do to the gas in one step, by cell. Owned by the gas, filled by the coupling.
 struct Exchange
 {
-    Foam::scalarField drag;             ///< sum w B: implicit drag coefficient [kg/s]
-    Foam::vectorField dragSource;       ///< sum w B v [N]
-    Foam::scalarField conductance;      ///< implicit heat exchange coefficient [W/K]
-    Foam::scalarField heatSource;       ///< explicit part of the heat given by the particles [W]
+    Foam::scalarField drag;        ///< sum w B: implicit drag coefficient [kg/s]
+    Foam::vectorField dragSource;  ///< sum w B v [N]
+    Foam::scalarField conductance; ///< implicit heat exchange coefficient [W/K]
+    Foam::scalarField heatSource;  ///< explicit part of the heat given by the particles [W]
 };
 
 /// The gas: volume-averaged compressible Navier-Stokes with voidage (eq 1-3, 7), on OpenFOAM's thermophysical and
@@ -44,8 +44,8 @@ public:
     /// voidage * rho * c_p * V of each cell at the start of the step [J/K].
     Foam::tmp<Foam::scalarField> heatCapacity() const;
 
-    Foam::scalar courantNumber() const; ///< largest over all cells and ranks
-    Foam::scalar energyContent() const; ///< sum voidage rho h V over all ranks [J]
+    Foam::scalar courantNumber() const;                         ///< largest over all cells and ranks
+    Foam::scalar energyContent() const;                         ///< sum voidage rho h V over all ranks [J]
     Foam::scalar energyInflow() const { return energyInflow_; } ///< enthalpy that entered in the last step [J]
 
 private:

@@ -1,5 +1,5 @@
-/// hotbedFoam: coarse-grained CFD-DEM with gas-particle heat transfer. An OpenFOAM solver that holds a LIGGGHTS instance
-/// on its own MPI ranks. Case: see docs/case.md. Options are those of any OpenFOAM solver.
+/// hotbedFoam: coarse-grained CFD-DEM with gas-particle heat transfer. An OpenFOAM solver that holds a LIGGGHTS
+/// instance on its own MPI ranks. Case: see docs/case.md. Options are those of any OpenFOAM solver.
 
 #include "bed.hpp"
 #include "coupling.hpp"
@@ -95,10 +95,9 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
 {
     const label particles = returnReduce(label(dem.size()), sumOp<label>());
     Info << nl << "Hotbed " << HOTBED_VERSION << " with LIGGGHTS " << HOTBED_LIGGGHTS << " and OpenFOAM "
-         << HOTBED_OPENFOAM_HEADERS << nl
-         << "    particles         " << particles << " coarse, ratio l = " << dem.ratio() << ", stand for "
-         << particles * std::pow(dem.ratio(), 3) << nl << "    drag              "
-         << (settings.drag ? "Beetstra" : "left out") << nl << "    heat transfer     "
+         << HOTBED_OPENFOAM_HEADERS << nl << "    particles         " << particles
+         << " coarse, ratio l = " << dem.ratio() << ", stand for " << particles * std::pow(dem.ratio(), 3) << nl
+         << "    drag              " << (settings.drag ? "Beetstra" : "left out") << nl << "    heat transfer     "
          << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
          << nl << endl;
@@ -139,8 +138,7 @@ int main(int argc, char* argv[])
         {
             FatalErrorInFunction << problem.what() << exit(FatalError);
         }
-        fvMesh mesh(
-            IOobject(fvMesh::defaultRegion, runTime.timeName(), runTime, IOobject::MUST_READ));
+        fvMesh mesh(IOobject(fvMesh::defaultRegion, runTime.timeName(), runTime, IOobject::MUST_READ));
         Gas gas(mesh, settings.heatTransfer && dem->heat());
         Coupling coupling(settings, mesh, *dem, gas, timing);
         coupling.map();

@@ -9,8 +9,8 @@
 namespace hotbed
 {
 
-/// The numbers of a case that are meant to be changed, file `settings` at its root: OpenFOAM dictionaries read them with
-/// #include, the DEM script as LIGGGHTS variables.
+/// The numbers of a case that are meant to be changed, file `settings` at its root: OpenFOAM dictionaries read them
+/// with #include, the DEM script as LIGGGHTS variables.
 /// @return every single-valued entry, in file order; empty without the file
 std::vector<std::pair<std::string, std::string>> readSettings(const Foam::Time& runTime);
 
@@ -19,12 +19,12 @@ struct CouplingSettings
 {
     explicit CouplingSettings(const Foam::Time& runTime);
 
-    Foam::fileName demScript;      ///< path from the case
-    bool drag = true;              ///< Beetstra, or none
-    bool heatTransfer = true;      ///< Gunn, or none
-    Foam::scalar kernelWidth = 3;  ///< full window over the coarse diameter; 0 where windowLength is given
-    Foam::scalar windowLength = 0; ///< full window [m], the same for every particle; 0 where kernelWidth is given
-    int kernelSamples = 6;         ///< per axis, on meshes that are not made of boxes
+    Foam::fileName demScript;        ///< path from the case
+    bool drag = true;                ///< Beetstra, or none
+    bool heatTransfer = true;        ///< Gunn, or none
+    Foam::scalar kernelWidth = 3;    ///< full window over the coarse diameter; 0 where windowLength is given
+    Foam::scalar windowLength = 0;   ///< full window [m], the same for every particle; 0 where kernelWidth is given
+    int kernelSamples = 6;           ///< per axis, on meshes that are not made of boxes
     bool temperatureGradient = true; ///< read the gas temperature at the particle, not at its cells' centres
 };
 

@@ -8,8 +8,7 @@ namespace hotbed
 double beetstra(double voidage, double reynolds)
 {
     const double solids = 1.0 - voidage;
-    const double creeping =
-        10.0 * solids / (voidage * voidage) + voidage * voidage * (1.0 + 1.5 * std::sqrt(solids));
+    const double creeping = 10.0 * solids / (voidage * voidage) + voidage * voidage * (1.0 + 1.5 * std::sqrt(solids));
     if (reynolds <= 0.0) return creeping;
 
     // Re * Re^-0.343 and Re^(0.5 + 2 solids) rather than negative powers: finite for every Re > 0
@@ -25,8 +24,7 @@ double gunn(double voidage, double reynolds, double prandtl)
     const double re2 = re * re;
     const double re7 = re2 * re2 * re2 * re;
     const double e2 = voidage * voidage;
-    return (7.0 - 10.0 * voidage + 5.0 * e2) * (1.0 + 0.7 * re2 * pr) +
-           (1.33 - 2.40 * voidage + 1.20 * e2) * re7 * pr;
+    return (7.0 - 10.0 * voidage + 5.0 * e2) * (1.0 + 0.7 * re2 * pr) + (1.33 - 2.40 * voidage + 1.20 * e2) * re7 * pr;
 }
 
 double effectiveConductivity(double voidage)

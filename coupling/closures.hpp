@@ -1,8 +1,8 @@
 #pragma once
 
 /// Closures of the gas-particle exchange and of the linear spring-dashpot contact, as plain functions of plain numbers.
-/// All Reynolds numbers are eq 6/17 of the paper: voidage * density * |slip| * d / viscosity, with the ORIGINAL diameter
-/// (other codes leave the voidage out).
+/// All Reynolds numbers are eq 6/17 of the paper: voidage * density * |slip| * d / viscosity, with the ORIGINAL
+/// diameter (other codes leave the voidage out).
 namespace hotbed
 {
 

@@ -38,7 +38,7 @@ public:
 
     const Cells& cells() const { return *cells_; }
 
-    int particles() const { return particles_; } ///< particles of this rank (home)
+    int particles() const { return particles_; }          ///< particles of this rank (home)
     int copies() const { return int(start_.size()) - 1; } ///< particles with weights on this rank
     /// Weights of copy k: entries start()[k] to start()[k+1] of cell() and weight().
     const std::vector<std::int64_t>& start() const { return start_; }
@@ -81,8 +81,8 @@ private:
     std::vector<Box> bounds_; ///< of each rank's cells
 
     int particles_ = 0;
-    bool direct_ = false;            ///< one rank: copies are the particles themselves, nothing is packed
-    std::vector<int> sendParticle_;  ///< particle of each entry sent, rank after rank
+    bool direct_ = false;                       ///< one rank: copies are the particles themselves, nothing is packed
+    std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank
     std::vector<int> sendStart_, receiveStart_; ///< by rank
     std::vector<Point> copyPosition_;
     std::vector<std::int64_t> start_{0};

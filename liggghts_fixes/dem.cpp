@@ -64,8 +64,7 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
          const std::vector<std::pair<std::string, std::string>>& variables, const std::string& log)
     : instance_(new Instance)
 {
-    if (!std::ifstream(script))
-        throw std::runtime_error("cannot read the DEM script '" + script + "'");
+    if (!std::ifstream(script)) throw std::runtime_error("cannot read the DEM script '" + script + "'");
 
     std::vector<std::string> words = {"hotbed", "-log", log, "-screen", "none"};
     for (const auto& variable : variables) words.insert(words.end(), {"-var", variable.first, variable.second});
@@ -83,7 +82,8 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
     lmp.input->file(script.c_str());
 
     if (lmp.domain->box_exist == 0)
-        throw std::runtime_error("the DEM script '" + script + "' makes no simulation box: add create_box or "
+        throw std::runtime_error("the DEM script '" + script +
+                                 "' makes no simulation box: add create_box or "
                                  "read_restart, and particles");
     instance_->heat = instance_->find<FixHotbedHeat>();
     instance_->coarsegrain = instance_->find<FixHotbedCoarsegrain>();

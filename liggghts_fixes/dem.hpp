@@ -27,12 +27,12 @@ public:
     /// Set-up of the run (lists, ghosts, first forces); after it particles can be read.
     void setup();
 
-    int size() const;                            ///< particles of this rank
-    const double (*position() const)[3];         ///< [m]
-    const double (*velocity() const)[3];         ///< [m/s]
-    const double* radius() const;                ///< of the coarse particle [m]
-    const double* mass() const;                  ///< of the coarse particle [kg]
-    const int* tag() const;                      ///< LIGGGHTS' particle ids
+    int size() const;                    ///< particles of this rank
+    const double (*position() const)[3]; ///< [m]
+    const double (*velocity() const)[3]; ///< [m/s]
+    const double* radius() const;        ///< of the coarse particle [m]
+    const double* mass() const;          ///< of the coarse particle [kg]
+    const int* tag() const;              ///< LIGGGHTS' particle ids
 
     double ratio() const;    ///< coarse-graining ratio of fix hotbed/coarsegrain, 1 without one
     double timestep() const; ///< [s]

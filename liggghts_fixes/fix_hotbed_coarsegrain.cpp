@@ -25,8 +25,8 @@ FixHotbedCoarsegrain::FixHotbedCoarsegrain(LAMMPS* lmp, int narg, char** arg) : 
         const std::string keyword = arg[i];
         const int values = keyword == "restitution" ? 2 : 1;
         if (i + values >= narg)
-            error->fix_error(FLERR, this, ("keyword " + keyword + " wants " + (values == 2 ? "two values" : "a value"))
-                                              .c_str());
+            error->fix_error(FLERR, this,
+                             ("keyword " + keyword + " wants " + (values == 2 ? "two values" : "a value")).c_str());
         const auto once = [&](double& value)
         {
             if (value != 0.0) error->fix_error(FLERR, this, ("keyword " + keyword + " is given twice").c_str());
@@ -48,15 +48,16 @@ FixHotbedCoarsegrain::FixHotbedCoarsegrain(LAMMPS* lmp, int narg, char** arg) : 
                 error->fix_error(FLERR, this, "restitution must be in (0, 1]");
         }
         else
-            error->fix_error(FLERR, this,
-                             ("unknown keyword " + keyword +
-                              "; known are ratio, diameter, density, stiffness, restitution")
-                                 .c_str());
+            error->fix_error(
+                FLERR, this,
+                ("unknown keyword " + keyword + "; known are ratio, diameter, density, stiffness, restitution")
+                    .c_str());
         ++i;
     }
     if (ratio_ == 0.0)
-        error->fix_error(FLERR, this, "keyword ratio is missing: add 'ratio L' with the coarse-graining ratio, 1 for "
-                                      "the original particles");
+        error->fix_error(FLERR, this,
+                         "keyword ratio is missing: add 'ratio L' with the coarse-graining ratio, 1 for "
+                         "the original particles");
 
     scalar_flag = 1;
     vector_flag = 1;

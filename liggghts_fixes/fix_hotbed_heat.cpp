@@ -23,9 +23,9 @@ FixHotbedHeat::FixHotbedHeat(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg,
     char* end = nullptr;
     initialTemperature_ = std::strtod(arg[4], &end);
     if (end == arg[4] || *end != '\0' || !(initialTemperature_ > 0.0) || !std::isfinite(initialTemperature_))
-        error->fix_error(FLERR, this,
-                         (std::string("initial_temperature must be a number > 0 in kelvin, not '") + arg[4] + "'")
-                             .c_str());
+        error->fix_error(
+            FLERR, this,
+            (std::string("initial_temperature must be a number > 0 in kelvin, not '") + arg[4] + "'").c_str());
     scalar_flag = 1;
     global_freq = 1;
     extscalar = 1;
@@ -53,8 +53,8 @@ void FixHotbedHeat::post_create()
 
 void FixHotbedHeat::init()
 {
-    capacity_ = static_cast<FixPropertyGlobal*>(modify->find_fix_property(
-        "thermalCapacity", "property/global", "peratomtype", atom->ntypes, 0, style, false));
+    capacity_ = static_cast<FixPropertyGlobal*>(
+        modify->find_fix_property("thermalCapacity", "property/global", "peratomtype", atom->ntypes, 0, style, false));
     if (!capacity_)
         error->fix_error(FLERR, this,
                          "the particles' heat capacity is missing: add "

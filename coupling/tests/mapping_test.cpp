@@ -72,10 +72,7 @@ struct Particles
     std::vector<double> n;
     std::vector<int> id;
 
-    ParticlePositions view() const
-    {
-        return {int(x.size()), reinterpret_cast<const double(*)[3]>(x.data()), n.data()};
-    }
+    ParticlePositions view() const { return {int(x.size()), reinterpret_cast<const double(*)[3]>(x.data()), n.data()}; }
 };
 
 /// the same particles whatever the number of ranks, some of them in corners, on faces and on rank boundaries
