@@ -81,7 +81,11 @@ def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
         change_settings(run / "settings", changes)
     tool(run, "blockMesh")
     if ranks > 1:
-        tool(run, "foamDictionary", "-entry", "numberOfSubdomains", "-set", str(ranks), "system/decomposeParDict")
+        dictionary = run / "system/decomposeParDict"
+        text, found = re.subn(r"(?m)^(\s*numberOfSubdomains\s+)\d+", rf"\g<1>{ranks}", dictionary.read_text())
+        if not found:
+            raise CaseError(f"{dictionary}: the entry numberOfSubdomains is missing")
+        dictionary.write_text(text)
         tool(run, "decomposePar")
 
 

@@ -60,17 +60,26 @@ def convergence(figures, folder):
     run_all(list(jobs.values()))
     last = {key: max(errors(run).items())[1] for key, run in jobs.items()}
     last["cells", 100] = last["time", 1]
-    print("\nconvergence on the short column, l = 2, at the last time (L1 of gas, of particles; order against the row above)")
-    for kind, column, ordered in (("time", "gas step [ms]", [4, 2, 1, 0.5, 0.25]), ("cells", "cells", [25, 50, 100, 200])):
-        print(f"    {column:>14s}   L1 gas      L1 particles   order")
-        before = None
-        for step in ordered:
-            gas, _, particles, _ = last[kind, step]
-            order = "" if before is None else f"{np.log2(before / gas):6.2f}"
-            shown = f"{2.5 * step:g}" if kind == "time" else f"{step}"
-            print(f"    {shown:>14s}   {gas:.3e}   {particles:.3e}     {order}")
-            figures.rows.append({"name": f"convergence in {kind}, {shown}", "value": [gas, particles]})
-            before = gas
+    finest = plot.profiles(jobs["time", 0.25])
+    print("\nconvergence on the short column, l = 2, at the last time: mean differences, order against the row above")
+    print("      gas step [ms]   gas to exact   particles to exact   gas to the finest step   order")
+    before = None
+    for factor in (4, 2, 1, 0.5):
+        gas, _, particles, _ = last["time", factor]
+        times, _, theta, _ = plot.profiles(jobs["time", factor])
+        own = np.abs(theta[times[-1]] - finest[2][times[-1]]).mean()
+        order = "" if before is None else f"{np.log2(before / own):6.2f}"
+        print(f"    {2.5 * factor:14g}   {gas:.3e}      {particles:.3e}            {own:.3e}             {order}")
+        figures.rows.append({"name": f"convergence in time, {2.5 * factor:g} ms", "value": [gas, particles, own]})
+        before = own
+    print("              cells   gas to exact   particles to exact   order")
+    before = None
+    for cells in (25, 50, 100, 200):
+        gas, _, particles, _ = last["cells", cells]
+        order = "" if before is None else f"{np.log2(before / gas):6.2f}"
+        print(f"    {cells:14d}   {gas:.3e}      {particles:.3e}          {order}")
+        figures.rows.append({"name": f"convergence in cells, {cells}", "value": [gas, particles]})
+        before = gas
     change = max(abs(last["time", 0.5][n] / last["time", 1][n] - 1) for n in (0, 2))
     figures.add("change of L1 when the gas step is halved", change, 0.20)
 

@@ -120,6 +120,15 @@ class RunCommand(CoupledTest):
         self.assertEqual(written, {p: p.stat().st_mtime_ns for p in (self.folder / "results").rglob("*")})
         self.assertEqual(self.command(FIXED_BED, *small, "--overwrite").returncode, 0)
 
+    def test_run_on_two_and_three_ranks(self):
+        for ranks in ("2", "3"):
+            small = ["-np", ranks, "--overwrite", "--set", *(f"{k}={v}" for k, v in SMALL.items())]
+            done = self.command(FIXED_BED, *small)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"Timing ({ranks} ranks", done.stdout)
+            self.assertIn("not accounted for", done.stdout)
+            self.assertTrue((self.folder / "results/fixed_bed/temperature.png").exists())
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)
