@@ -13,7 +13,7 @@ namespace hotbed
 /// A LIGGGHTS simulation inside another program: runs an input script once, then advances step by step while its
 /// host reads the particles and gives them heat. Knows nothing of the gas. Input errors found by LIGGGHTS end the
 /// process with LIGGGHTS' own message on stderr; those found here are thrown as std::runtime_error.
-class Dem
+class __attribute__((visibility("default"))) Dem
 {
 public:
     /// Runs the script.

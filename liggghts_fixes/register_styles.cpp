@@ -6,6 +6,7 @@
 
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_heat.h"
+#include "register_contact.hpp"
 
 #include <dlfcn.h>
 
@@ -38,7 +39,7 @@ template struct FixMapOf<&LAMMPS_NS::Modify::fix_map>;
 namespace LAMMPS_NS
 {
 
-void LAMMPS::create()
+__attribute__((visibility("default"))) void LAMMPS::create()
 {
     using Create = void (*)(LAMMPS*);
     static const auto real = reinterpret_cast<Create>(dlsym(RTLD_NEXT, "_ZN9LAMMPS_NS6LAMMPS6createEv"));
@@ -48,6 +49,7 @@ void LAMMPS::create()
         std::abort();
     }
     real(this);
+    hotbed::registerContact();
 
     FixMap& fixes = fixMapOf(*modify);
     fixes["hotbed/coarsegrain"] = &makeFix<FixHotbedCoarsegrain>;

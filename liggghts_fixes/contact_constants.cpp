@@ -1,0 +1,158 @@
+#include "liggghts.hpp"
+
+#include "contact_constants.hpp"
+
+#include "closures.hpp"
+#include "fix_hotbed_coarsegrain.h"
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+using namespace LAMMPS_NS;
+
+namespace hotbed
+{
+namespace
+{
+
+/// a property/global ... peratomtypepair of the script; null where it is not there
+FixPropertyGlobal* optional(PropertyRegistry& registry, const char* name, const char* caller)
+{
+    const int types = registry.max_type();
+    return static_cast<FixPropertyGlobal*>(registry.getLAMMPS()->modify->find_fix_property(
+        name, "property/global", "peratomtypepair", types, types, caller, false));
+}
+
+FixPropertyGlobal& required(PropertyRegistry& registry, const char* name, const char* unit, const char* caller)
+{
+    if (FixPropertyGlobal* property = optional(registry, name, caller)) return *property;
+    registry.getLAMMPS()->error->all(
+        FLERR, (std::string(caller) + ": " + name + " is missing: add 'fix ID all property/global " + name +
+                " peratomtypepair " + std::to_string(registry.max_type()) + " ...' " + unit +
+                ", the original particle's, one value for each pair of types")
+                   .c_str());
+    std::abort();
+}
+
+using Check = bool (*)(double);
+bool positive(double v) { return v > 0.0 && std::isfinite(v); }
+bool notNegative(double v) { return v >= 0.0 && std::isfinite(v); }
+bool fraction(double v) { return v > 0.0 && v <= 1.0; }
+
+/// checked value of a property for a pair of types (0-based)
+double value(PropertyRegistry& registry, FixPropertyGlobal& property, const char* name, Check good, const char* range,
+             int i, int j)
+{
+    const double v = property.compute_array(i, j);
+    if (!good(v))
+        registry.getLAMMPS()->error->all(FLERR, (std::string("property/global ") + name + " must be " + range + ", but is " +
+                                                 std::to_string(v) + " for types " + std::to_string(i + 1) + " and " +
+                                                 std::to_string(j + 1))
+                                                    .c_str());
+    return v;
+}
+
+/// LIGGGHTS counts types from 1
+MatrixProperty* fill(PropertyRegistry& registry, const std::function<double(int, int)>& entry)
+{
+    const int types = registry.max_type();
+    auto* matrix = new MatrixProperty(types + 1, types + 1);
+    for (int i = 0; i < types; ++i)
+        for (int j = 0; j < types; ++j) matrix->data[i + 1][j + 1] = entry(i, j);
+    return matrix;
+}
+
+double cubedRatio(PropertyRegistry& registry)
+{
+    Modify& modify = *registry.getLAMMPS()->modify;
+    for (int f = 0; f < modify.nfix; ++f)
+        if (const auto* owner = dynamic_cast<FixHotbedCoarsegrain*>(modify.fix[f]))
+            return owner->ratio() * owner->ratio() * owner->ratio();
+    return 1.0;
+}
+
+MatrixProperty* stiffness(PropertyRegistry& registry, const char* caller)
+{
+    FixPropertyGlobal& kn = required(registry, "kn", "[N/m]", caller);
+    const double cube = cubedRatio(registry);
+    return fill(registry, [&](int i, int j) { return cube * value(registry, kn, "kn", positive, "> 0", i, j); });
+}
+
+MatrixProperty* dashpots(PropertyRegistry& registry, const char* name, const char* caller)
+{
+    FixPropertyGlobal* eta = optional(registry, name, caller);
+    const double cube = cubedRatio(registry);
+    return fill(registry, [&](int i, int j)
+                { return eta ? cube * value(registry, *eta, name, notNegative, ">= 0", i, j) : 0.0; });
+}
+
+} // namespace
+
+MatrixProperty* normalStiffness(PropertyRegistry& registry, const char* caller, bool)
+{
+    return stiffness(registry, caller);
+}
+
+MatrixProperty* tangentialStiffnesses(PropertyRegistry& registry, const char* caller, bool)
+{
+    const double cube = cubedRatio(registry);
+    if (FixPropertyGlobal* kt = optional(registry, "kt", caller))
+        return fill(registry, [&](int i, int j) { return cube * value(registry, *kt, "kt", notNegative, ">= 0", i, j); });
+    FixPropertyGlobal& kn = required(registry, "kn", "[N/m]", caller);
+    FixPropertyGlobal& en = required(registry, "coefficientRestitution", "[-]", caller);
+    FixPropertyGlobal& et = required(registry, "tangentialRestitution", "[-] (or give kt and etat)", caller);
+    return fill(registry,
+                [&](int i, int j)
+                {
+                    return cube * tangentialStiffness(
+                                      value(registry, kn, "kn", positive, "> 0", i, j),
+                                      value(registry, en, "coefficientRestitution", fraction, "in (0, 1]", i, j),
+                                      value(registry, et, "tangentialRestitution", fraction, "in (0, 1]", i, j));
+                });
+}
+
+MatrixProperty* normalDashpotPerRootMass(PropertyRegistry& registry, const char* caller, bool)
+{
+    if (optional(registry, "etan", caller)) return fill(registry, [](int, int) { return 0.0; });
+    const MatrixProperty* k = registry.getMatrixProperty("hotbed_kn", caller);
+    FixPropertyGlobal& e = required(registry, "coefficientRestitution", "[-] (or give etan)", caller);
+    return fill(registry,
+                [&](int i, int j)
+                {
+                    return dashpot(value(registry, e, "coefficientRestitution", fraction, "in (0, 1]", i, j),
+                                   k->data[i + 1][j + 1], 1.0);
+                });
+}
+
+MatrixProperty* tangentialDashpotPerRootMass(PropertyRegistry& registry, const char* caller, bool)
+{
+    if (optional(registry, "etat", caller)) return fill(registry, [](int, int) { return 0.0; });
+    const MatrixProperty* k = registry.getMatrixProperty("hotbed_kt", caller);
+    FixPropertyGlobal& e = required(registry, "tangentialRestitution", "[-] (or give etat)", caller);
+    return fill(registry,
+                [&](int i, int j)
+                {
+                    return dashpot(value(registry, e, "tangentialRestitution", fraction, "in (0, 1]", i, j),
+                                   k->data[i + 1][j + 1], 2.0 / 7.0);
+                });
+}
+
+MatrixProperty* normalDashpots(PropertyRegistry& registry, const char* caller, bool)
+{
+    return dashpots(registry, "etan", caller);
+}
+
+MatrixProperty* tangentialDashpots(PropertyRegistry& registry, const char* caller, bool)
+{
+    return dashpots(registry, "etat", caller);
+}
+
+MatrixProperty* friction(PropertyRegistry& registry, const char* caller, bool)
+{
+    FixPropertyGlobal& mu = required(registry, "coefficientFriction", "[-]", caller);
+    return fill(registry, [&](int i, int j)
+                { return value(registry, mu, "coefficientFriction", notNegative, ">= 0", i, j); });
+}
+
+} // namespace hotbed

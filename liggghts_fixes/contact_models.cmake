@@ -1,0 +1,16 @@
+# LIGGGHTS' packages ship the headers of its contact models but not the style_*_model.h that list them: written here
+# from what is installed, with our own models added. Each lists the headers that announce themselves with <KIND>_MODEL(.
+set(generated ${CMAKE_CURRENT_BINARY_DIR}/contact_models)
+foreach(kind surface normal tangential cohesion rolling)
+  string(TOUPPER ${kind} KIND)
+  set(text "")
+  file(GLOB headers ${LIGGGHTS_INCLUDE_DIR}/${kind}_model_*.h ${CMAKE_CURRENT_SOURCE_DIR}/${kind}_model_*.h)
+  foreach(header ${headers})
+    file(STRINGS ${header} announced REGEX "^${KIND}_MODEL\\(")
+    if(announced)
+      get_filename_component(name ${header} NAME)
+      string(APPEND text "#include \"${name}\"\n")
+    endif()
+  endforeach()
+  file(CONFIGURE OUTPUT ${generated}/style_${kind}_model.h CONTENT "${text}" @ONLY)
+endforeach()

@@ -1,0 +1,44 @@
+/// Adds `pair_style gran model hotbed tangential hotbed`, and the same for fix wall/gran, to LIGGGHTS' public factories.
+
+#include "contact_models.h"
+#include "fix_insert_stream.h"
+#include "pair_gran_base.h"
+#include "fix_wall_gran_base.h"
+
+#include "register_contact.hpp"
+
+namespace hotbed
+{
+namespace
+{
+
+using namespace LIGGGHTS;
+using Style = ContactModels::GranStyle<ContactModels::HOTBED_NORMAL, ContactModels::HOTBED_TANGENTIAL,
+                                       ContactModels::COHESION_OFF, ContactModels::ROLLING_OFF,
+                                       ContactModels::SURFACE_DEFAULT>;
+using Model = ContactModels::ContactModel<Style>;
+
+PairStyles::IGranularPairStyle* makePair(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::PairGran* parent, int64_t hash)
+{
+    return new PairStyles::Granular<Model>(lmp, parent, hash);
+}
+
+Walls::IGranularWall* makeWall(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::FixWallGran* parent, int64_t hash)
+{
+    return new Walls::Granular<Model>(lmp, parent, hash);
+}
+
+} // namespace
+
+void registerContact()
+{
+    static bool done = false; // the factories live as long as the process
+    if (done) return;
+    done = true;
+    ContactModels::Factory::instance().addNormalModel("hotbed", ContactModels::HOTBED_NORMAL);
+    ContactModels::Factory::instance().addTangentialModel("hotbed", ContactModels::HOTBED_TANGENTIAL);
+    PairStyles::Factory::instance().addStyle("gran", Style::HASHCODE, &makePair);
+    Walls::Factory::instance().addStyle("gran", Style::HASHCODE, &makeWall);
+}
+
+} // namespace hotbed
