@@ -34,7 +34,7 @@ constexpr int readFields = 5; // T - grad T . x, grad T, what the early share ad
 
 Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing)
     : settings_(settings), mesh_(mesh), dem_(dem), gas_(gas), timing_(timing),
-      heat_(settings.heatTransfer && dem.heat()), halfExtent_(mesh.nCells()),
+      heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), halfExtent_(mesh.nCells()),
       mapping_(MPI_COMM_WORLD, makeCells(settings))
 {
 }
@@ -116,9 +116,10 @@ void Coupling::map()
                                                               : settings_.kernelWidth * 2.0 * dem_.radius()[i]);
             widest = std::max(widest, halfWidth_[i]);
         }
-        refuseOutside(mapping_.update({n, dem_.position(), halfWidth_.data()}));
+        inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
         if (!mapped_)
         {
+            refuseOutside(inside_);
             reduce(widest, maxOp<double>());
             if (2.0 * widest > cmptMin(mesh_.bounds().span()))
                 WarningInFunction << "the kernel is " << 2.0 * widest << " m wide, wider than the domain "
@@ -147,6 +148,36 @@ void Coupling::particlesToGas()
 {
     closures();
     if (heat_) heatToGas();
+}
+
+/// What a particle does to the gas in a step, F = G u' - c with the gas velocity u' at the end of the step.
+/// A particle that the gas can move answers exactly to u' and to a constant acceleration a from all other forces,
+///     m dv/dt = B (u' - v) + m a,   b = B dt/m,   F = (m/dt) [gain (u' - v) + (gain/b - 1) a dt],
+/// for any b: G is m/dt at most. For `a` the mean over the last gas step is taken: a particle at rest in a bed then feels
+/// all of B u', one that falls reaches its terminal velocity.
+/// @param exchange  G, c
+void Coupling::dragOn(int i, double B, double* exchange) const
+{
+    if (!push_)
+    {
+        exchange[0] = B;
+        std::fill_n(exchange + 1, 3, 0.0);
+        return;
+    }
+    const double dt = mesh_.time().deltaTValue();
+    const double m = dem_.mass()[i];
+    const double b = B * dt / m;
+    const double gain = relaxation(b).gain;
+    const double held = b > 0.0 ? 1.0 - gain / b : 0.0; // share of other forces' work that the drag takes in the step
+    const double* v = dem_.velocity()[i];
+    const double* last = dem_.lastGasStep()[i];
+    exchange[0] = m * gain / dt;
+    for (int a = 0; a < 3; ++a)
+    {
+        const double other = last[6] > 0.0 ? m * (v[a] - last[a]) / last[6] - last[3 + a]
+                                           : dem_.force()[i][a] - dem_.gasForce()[i][a];
+        exchange[1 + a] = exchange[0] * v[a] + held * other;
+    }
 }
 
 void Coupling::closures()
@@ -181,13 +212,19 @@ void Coupling::closures()
         for (int i = 0; i < n; ++i)
         {
             const double* g = at + std::size_t(i) * gasFields;
+            double* exchange = &drag_[std::size_t(i) * 4];
+            if (!inside_[i]) // has left the mesh: exchanges nothing
+            {
+                std::fill_n(exchange, 4, 0.0);
+                if (heat_) conductance_[i] = 0.0;
+                continue;
+            }
             const double voidage = g[0], rho = g[4], mu = g[5];
             const double d = 2.0 * dem_.radius()[i] / l;
             const double slip = std::hypot(g[1] - v[i][0], g[2] - v[i][1], g[3] - v[i][2]);
             const double reynolds = voidage * rho * slip * d / mu;
             const double B = settings_.drag ? dragCoefficient(beetstra(voidage, reynolds), mu, voidage, d, l) : 0.0;
-            drag_[std::size_t(i) * 4] = B;
-            for (int a = 0; a < 3; ++a) drag_[std::size_t(i) * 4 + 1 + a] = B * v[i][a];
+            dragOn(i, B, exchange);
             if (!heat_) continue;
             const double nusselt = gunn(voidage, reynolds, mu * g[7] / g[6]);
             dem_.nusselt()[i] = nusselt;
@@ -260,7 +297,47 @@ void Coupling::heatToGas()
 
 void Coupling::gasToParticles()
 {
-    if (!heat_) return;
+    if (push_) momentumToParticles();
+    if (heat_) heatToParticles();
+}
+
+/// Force of the gas, constant over the DEM steps of the gas step: the drag that the gas equation used, with the gas
+/// velocity at the end of its step, and the pressure gradient (eq 16).
+void Coupling::momentumToParticles()
+{
+    const auto time = timing_.measure("momentum to particles");
+    const vectorField& U = gas_.U();
+    const tmp<volVectorField> gradient = gas_.pressureGradient();
+    std::vector<double> cell(std::size_t(mesh_.nCells()) * 6);
+    for (label c = 0; c < mesh_.nCells(); ++c)
+        for (int a = 0; a < 3; ++a)
+        {
+            cell[std::size_t(c) * 6 + a] = U[c][a];
+            cell[std::size_t(c) * 6 + 3 + a] = gradient()[c][a];
+        }
+    const double* read = mapping_.interpolate<6>(cell.data());
+    const double dt = mesh_.time().deltaTValue();
+    const double(*v)[3] = dem_.velocity();
+    for (int i = 0; i < dem_.size(); ++i)
+    {
+        const double* r = read + std::size_t(i) * 6;
+        const double* exchange = &drag_[std::size_t(i) * 4];
+        const double volume = 4.0 / 3.0 * M_PI * std::pow(dem_.radius()[i], 3);
+        double* force = dem_.gasForce()[i];
+        double* last = dem_.lastGasStep()[i];
+        for (int a = 0; a < 3; ++a)
+        {
+            const double drag = exchange[0] * r[a] - exchange[1 + a];
+            force[a] = drag - volume * r[3 + a];
+            last[a] = v[i][a];
+            last[3 + a] = drag;
+        }
+        last[6] = dt;
+    }
+}
+
+void Coupling::heatToParticles()
+{
     const auto time = timing_.measure("heat to particles");
     const scalarField& T = gas_.exchangeTemperature();
 

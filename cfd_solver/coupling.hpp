@@ -25,7 +25,7 @@ public:
     /// Closures at the particles; drag and heat exchange coefficients to the gas.
     void particlesToGas();
 
-    /// Heat to the particles from the gas at the end of its step.
+    /// Momentum and heat to the particles from the gas at the end of its step.
     void gasToParticles();
 
     /// Sum over all particles and ranks of |heat| exchanged in the last step [J].
@@ -36,7 +36,10 @@ public:
 private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
     void closures();
+    void dragOn(int particle, double B, double* exchange) const;
     void heatToGas();
+    void heatToParticles();
+    void momentumToParticles();
     void refuseOutside(const std::vector<char>& inside) const;
 
     const CouplingSettings settings_;
@@ -45,12 +48,14 @@ private:
     Gas& gas_;
     Timing& timing_;
     const bool heat_;
+    const bool push_; ///< particles answer to the gas
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
     bool mapped_ = false;
+    std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
     std::vector<double> halfWidth_;    ///< kernel, by particle [m]
-    std::vector<double> drag_;         ///< by particle: B, B v (moving particles only)
+    std::vector<double> drag_; ///< by particle: G [kg/s], explicit part of the force on the gas [N]; see dragOn
     std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
     std::vector<double> conductance_;  ///< h A, by particle [W/K]
     std::vector<double> heatReceived_; ///< heat received over a step, by particle [J]

@@ -266,6 +266,11 @@ void Gas::energy()
     thermo_->correct();
 }
 
+tmp<volVectorField> Gas::pressureGradient() const
+{
+    return fvc::grad(p_);
+}
+
 tmp<scalarField> Gas::heatCapacity() const
 {
     return mass_.primitiveField() * thermo_->Cp()->primitiveField() * mesh_.V();

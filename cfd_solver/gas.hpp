@@ -29,6 +29,7 @@ public:
     const Foam::volVectorField& U() const { return U_; }
     const Foam::volScalarField& T() const { return thermo_->T(); }
     const Foam::fluidThermo& thermo() const { return *thermo_; }
+    Foam::tmp<Foam::volVectorField> pressureGradient() const;
     Exchange& exchange() { return exchange_; }
 
     /// Makes the start consistent with a voidage that was set after construction.

@@ -3,6 +3,7 @@
 #include "dem.hpp"
 
 #include "fix_hotbed_coarsegrain.h"
+#include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
 
 #include <cstdio>
@@ -49,6 +50,7 @@ struct Dem::Instance
     ErrorStream errors;
     std::unique_ptr<LAMMPS> lmp;
     FixHotbedHeat* heat = nullptr;
+    FixHotbedDrag* drag = nullptr;
     FixHotbedCoarsegrain* coarsegrain = nullptr;
     bool moving = true;
 
@@ -86,6 +88,7 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
                                  "' makes no simulation box: add create_box or "
                                  "read_restart, and particles");
     instance_->heat = instance_->find<FixHotbedHeat>();
+    instance_->drag = instance_->find<FixHotbedDrag>();
     instance_->coarsegrain = instance_->find<FixHotbedCoarsegrain>();
     instance_->moving = false;
     for (int i = 0; i < lmp.modify->nfix; ++i)
@@ -170,6 +173,26 @@ bool Dem::moving() const
 bool Dem::heat() const
 {
     return instance_->heat != nullptr;
+}
+
+bool Dem::drag() const
+{
+    return instance_->drag != nullptr;
+}
+
+double** Dem::gasForce() const
+{
+    return instance_->drag->force();
+}
+
+double** Dem::lastGasStep() const
+{
+    return instance_->drag->lastStep();
+}
+
+const double (*Dem::force() const)[3]
+{
+    return block(instance_->lmp->atom->f);
 }
 
 double* Dem::temperature() const

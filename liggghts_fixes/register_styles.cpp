@@ -5,6 +5,7 @@
 #include "liggghts.hpp"
 
 #include "fix_hotbed_coarsegrain.h"
+#include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
 #include "register_contact.hpp"
 
@@ -53,6 +54,7 @@ __attribute__((visibility("default"))) void LAMMPS::create()
 
     FixMap& fixes = fixMapOf(*modify);
     fixes["hotbed/coarsegrain"] = &makeFix<FixHotbedCoarsegrain>;
+    fixes["hotbed/drag"] = &makeFix<FixHotbedDrag>;
     fixes["hotbed/heat"] = &makeFix<FixHotbedHeat>;
 }
 

@@ -1,0 +1,56 @@
+#include "liggghts.hpp"
+
+#include "fix_hotbed_drag.h"
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+using namespace LAMMPS_NS;
+
+FixHotbedDrag::FixHotbedDrag(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg)
+{
+    if (narg != 3) error->fix_error(FLERR, this, "takes no arguments");
+    for (int i = 0; i < modify->nfix; ++i)
+        if (std::strcmp(modify->fix[i]->style, style) == 0 && std::strcmp(modify->fix[i]->id, id) != 0)
+            error->fix_error(FLERR, this, "the gas acts on the particles already through another fix hotbed/drag");
+}
+
+int FixHotbedDrag::setmask()
+{
+    return FixConst::POST_FORCE;
+}
+
+FixPropertyAtom* FixHotbedDrag::property(const char* name, int values)
+{
+    if (Fix* known = modify->find_fix_property(name, "property/atom", "vector", values, 0, style, false))
+        return static_cast<FixPropertyAtom*>(known);
+    std::vector<const char*> arg = {name, "all", "property/atom", name, "vector", "yes", "no", "no"};
+    arg.insert(arg.end(), std::size_t(values), "0.");
+    return modify->add_fix_property_atom(int(arg.size()), const_cast<char**>(arg.data()), style);
+}
+
+void FixHotbedDrag::post_create()
+{
+    force_ = property("gasForce", 3);
+    lastStep_ = property("gasStep", 7);
+}
+
+double** FixHotbedDrag::force() const
+{
+    return force_->array_atom;
+}
+
+double** FixHotbedDrag::lastStep() const
+{
+    return lastStep_->array_atom;
+}
+
+void FixHotbedDrag::post_force(int)
+{
+    double** f = atom->f;
+    double** gas = force();
+    for (int i = 0; i < atom->nlocal; ++i)
+        if (atom->mask[i] & groupbit)
+            for (int a = 0; a < 3; ++a) f[i][a] += gas[i][a];
+}

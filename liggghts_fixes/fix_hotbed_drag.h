@@ -1,0 +1,31 @@
+#pragma once
+
+#include "fix.h"
+
+namespace LAMMPS_NS
+{
+
+/// fix ID group hotbed/drag
+/// Applies the force that the gas exerts on each particle, constant over a gas step, and keeps what the next gas step must
+/// know of the last one. Both go with the particle from rank to rank and into restart files.
+class FixHotbedDrag : public Fix
+{
+public:
+    FixHotbedDrag(LAMMPS* lmp, int narg, char** arg);
+
+    int setmask() override;
+    void post_create() override;
+    void setup(int vflag) override { post_force(vflag); }
+    void post_force(int vflag) override;
+
+    double** force() const;    ///< drag plus pressure gradient [N], by local particle
+    double** lastStep() const; ///< 7 values: velocity at the start of the last gas step, drag in it [N], its length [s]
+
+private:
+    class FixPropertyAtom* property(const char* name, int values);
+
+    class FixPropertyAtom* force_ = nullptr;
+    class FixPropertyAtom* lastStep_ = nullptr;
+};
+
+} // namespace LAMMPS_NS
