@@ -323,7 +323,7 @@ void Coupling::momentumToParticles()
         const double* r = read + std::size_t(i) * 6;
         const double* exchange = &drag_[std::size_t(i) * 4];
         const double volume = 4.0 / 3.0 * M_PI * std::pow(dem_.radius()[i], 3);
-        double* force = dem_.gasForce()[i];
+        double force[3];
         double* last = dem_.lastGasStep()[i];
         for (int a = 0; a < 3; ++a)
         {
@@ -333,6 +333,7 @@ void Coupling::momentumToParticles()
             last[3 + a] = drag;
         }
         last[6] = dt;
+        dem_.setGasForce(i, force);
     }
 }
 

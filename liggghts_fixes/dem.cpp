@@ -185,6 +185,11 @@ double** Dem::gasForce() const
     return instance_->drag->force();
 }
 
+void Dem::setGasForce(int particle, const double* force)
+{
+    instance_->drag->set(particle, force);
+}
+
 double** Dem::lastGasStep() const
 {
     return instance_->drag->lastStep();

@@ -40,7 +40,8 @@ public:
     bool heat() const;       ///< whether the script has a fix hotbed/heat
 
     bool drag() const;               ///< whether the script has a fix hotbed/drag
-    double** gasForce() const;       ///< force of the gas on each particle until it is set anew [N]
+    double** gasForce() const;       ///< force of the gas on each particle [N]
+    void setGasForce(int particle, const double* force); ///< from the next DEM step on [N]
     double** lastGasStep() const;    ///< see FixHotbedDrag::lastStep
     const double (*force() const)[3]; ///< all forces at the end of the last DEM step [N]
 

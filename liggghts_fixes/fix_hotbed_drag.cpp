@@ -2,6 +2,7 @@
 
 #include "fix_hotbed_drag.h"
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -44,6 +45,14 @@ double** FixHotbedDrag::force() const
 double** FixHotbedDrag::lastStep() const
 {
     return lastStep_->array_atom;
+}
+
+void FixHotbedDrag::set(int particle, const double* force)
+{
+    double* kept = this->force()[particle];
+    if (atom->mask[particle] & groupbit)
+        for (int a = 0; a < 3; ++a) atom->f[particle][a] += force[a] - kept[a];
+    std::copy_n(force, 3, kept);
 }
 
 void FixHotbedDrag::post_force(int)

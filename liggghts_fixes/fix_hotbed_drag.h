@@ -18,7 +18,12 @@ public:
     void setup(int vflag) override { post_force(vflag); }
     void post_force(int vflag) override;
 
-    double** force() const;    ///< drag plus pressure gradient [N], by local particle
+    double** force() const; ///< drag plus pressure gradient [N], by local particle
+
+    /// A new force, also in the sum that the next half step of the integration starts from: the particle then receives
+    /// exactly force times the gas step.
+    void set(int particle, const double* force);
+
     double** lastStep() const; ///< 7 values: velocity at the start of the last gas step, drag in it [N], its length [s]
 
 private:
