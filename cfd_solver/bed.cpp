@@ -21,7 +21,7 @@ Bed::Bed(const Time& runTime, const Coupling& coupling, const Dem& dem, const Ga
     const fileName folder = runTime_.globalPath() / "postProcessing" / "hotbed" / runTime_.timeName();
     mkDir(folder);
     csv_.open(folder / "bed.csv");
-    csv_ << "time_s,particles";
+    csv_ << "time_s,particles,pressure_drop_Pa";
     if (coupling_.heat())
         csv_ << ",T_mean_K,T_min_K,T_max_K,Nu_mean,gas_T_min_K,gas_T_max_K,gas_energy_J,particle_energy_J,inflow_J,"
                 "exchanged_J,budget_error";
@@ -39,7 +39,8 @@ double Bed::particleEnergy() const
 void Bed::record()
 {
     const label particles = returnReduce(label(dem_.size()), sumOp<label>());
-    if (csv_.is_open()) csv_ << runTime_.value() << ',' << particles;
+    const scalar pressureDrop = gas_.pressureDrop();
+    if (csv_.is_open()) csv_ << runTime_.value() << ',' << particles << ',' << pressureDrop;
     if (coupling_.heat())
     {
         double sum = 0, low = GREAT, high = -GREAT, nusselt = 0;

@@ -153,8 +153,8 @@ void Coupling::particlesToGas()
 /// What a particle does to the gas in a step, F = G u' - c with the gas velocity u' at the end of the step.
 /// A particle that the gas can move answers exactly to u' and to a constant acceleration a from all other forces,
 ///     m dv/dt = B (u' - v) + m a,   b = B dt/m,   F = (m/dt) [gain (u' - v) + (gain/b - 1) a dt],
-/// for any b: G is m/dt at most. For `a` the mean over the last gas step is taken: a particle at rest in a bed then feels
-/// all of B u', one that falls reaches its terminal velocity.
+/// for any b: G is m/dt at most. For `a` the mean over the last gas step is taken: a particle at rest in a bed then
+/// feels all of B u', one that falls reaches its terminal velocity.
 /// @param exchange  G, c
 void Coupling::dragOn(int i, double B, double* exchange) const
 {
@@ -174,8 +174,8 @@ void Coupling::dragOn(int i, double B, double* exchange) const
     exchange[0] = m * gain / dt;
     for (int a = 0; a < 3; ++a)
     {
-        const double other = last[6] > 0.0 ? m * (v[a] - last[a]) / last[6] - last[3 + a]
-                                           : dem_.force()[i][a] - dem_.gasForce()[i][a];
+        const double other =
+            last[6] > 0.0 ? m * (v[a] - last[a]) / last[6] - last[3 + a] : dem_.force()[i][a] - dem_.gasForce()[i][a];
         exchange[1 + a] = exchange[0] * v[a] + held * other;
     }
 }
@@ -206,6 +206,8 @@ void Coupling::closures()
     {
         const auto time = timing_.measure("closures");
         const double l = dem_.ratio();
+        const double* radius = dem_.radius();
+        double* nusselts = heat_ ? dem_.nusselt() : nullptr;
         const double(*v)[3] = dem_.velocity();
         drag_.resize(std::size_t(n) * 4);
         conductance_.resize(heat_ ? n : 0);
@@ -220,14 +222,15 @@ void Coupling::closures()
                 continue;
             }
             const double voidage = g[0], rho = g[4], mu = g[5];
-            const double d = 2.0 * dem_.radius()[i] / l;
-            const double slip = std::hypot(g[1] - v[i][0], g[2] - v[i][1], g[3] - v[i][2]);
-            const double reynolds = voidage * rho * slip * d / mu;
+            const double d = 2.0 * radius[i] / l;
+            const double slip[3] = {g[1] - v[i][0], g[2] - v[i][1], g[3] - v[i][2]};
+            const double speed = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
+            const double reynolds = voidage * rho * speed * d / mu;
             const double B = settings_.drag ? dragCoefficient(beetstra(voidage, reynolds), mu, voidage, d, l) : 0.0;
             dragOn(i, B, exchange);
             if (!heat_) continue;
             const double nusselt = gunn(voidage, reynolds, mu * g[7] / g[6]);
-            dem_.nusselt()[i] = nusselt;
+            nusselts[i] = nusselt;
             conductance_[i] = heatConductance(nusselt, g[6], d, l);
         }
     }
@@ -262,7 +265,7 @@ void Coupling::heatToGas()
         give[0] = mc * r.gain / dt;
         give[1] = mc * r.early / dt;
         give[2] = T[i];
-        give[3] = std::exp(-b);
+        give[3] = 1.0 - r.gain;
     }
     const double* copy = mapping_.toCopies(4, heatGiven_.data());
 

@@ -48,14 +48,14 @@ private:
     Gas& gas_;
     Timing& timing_;
     const bool heat_;
-    const bool push_; ///< particles answer to the gas
+    const bool push_;              ///< particles answer to the gas
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
     bool mapped_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
     std::vector<double> halfWidth_;    ///< kernel, by particle [m]
-    std::vector<double> drag_; ///< by particle: G [kg/s], explicit part of the force on the gas [N]; see dragOn
+    std::vector<double> drag_;         ///< by particle: G [kg/s], explicit part of the force on the gas [N]; see dragOn
     std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
     std::vector<double> conductance_;  ///< h A, by particle [W/K]
     std::vector<double> heatReceived_; ///< heat received over a step, by particle [J]

@@ -276,6 +276,27 @@ tmp<scalarField> Gas::heatCapacity() const
     return mass_.primitiveField() * thermo_->Cp()->primitiveField() * mesh_.V();
 }
 
+scalar Gas::pressureDrop() const
+{
+    scalar in[2] = {0, 0}, out[2] = {0, 0}; // area, area times pressure
+    forAll(p_.boundaryField(), patch)
+    {
+        if (mesh_.boundary()[patch].coupled()) continue;
+        const scalarField& flux = phi_.boundaryField()[patch];
+        const scalarField& area = mesh_.magSf().boundaryField()[patch];
+        const scalarField& p = p_.boundaryField()[patch];
+        forAll(flux, f)
+        {
+            if (flux[f] == 0) continue;
+            scalar* side = flux[f] < 0 ? in : out;
+            side[0] += area[f];
+            side[1] += area[f] * p[f];
+        }
+    }
+    for (scalar* sum : {&in[0], &in[1], &out[0], &out[1]}) reduce(*sum, sumOp<scalar>());
+    return in[0] > 0 && out[0] > 0 ? in[1] / in[0] - out[1] / out[0] : 0;
+}
+
 scalar Gas::courantNumber() const
 {
     const scalarField sumPhi(fvc::surfaceSum(mag(phi_))->primitiveField());

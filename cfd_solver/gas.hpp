@@ -45,6 +45,8 @@ public:
     /// voidage * rho * c_p * V of each cell at the start of the step [J/K].
     Foam::tmp<Foam::scalarField> heatCapacity() const;
 
+    /// Mean pressure where gas enters less that where it leaves [Pa]; 0 without both.
+    Foam::scalar pressureDrop() const;
     Foam::scalar courantNumber() const;                         ///< largest over all cells and ranks
     Foam::scalar energyContent() const;                         ///< sum voidage rho h V over all ranks [J]
     Foam::scalar energyInflow() const { return energyInflow_; } ///< enthalpy that entered in the last step [J]

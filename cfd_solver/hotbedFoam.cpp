@@ -140,9 +140,10 @@ int main(int argc, char* argv[])
         }
         fvMesh mesh(IOobject(fvMesh::defaultRegion, runTime.timeName(), runTime, IOobject::MUST_READ));
         if (settings.drag && dem->moving() && !dem->drag())
-            FatalErrorInFunction << settings.demScript << " moves particles and drag is on, but nothing lets the gas push "
-                                 << "them: add 'fix ID all hotbed/drag', or set drag none in constant/couplingProperties"
-                                 << exit(FatalError);
+            FatalErrorInFunction
+                << settings.demScript << " moves particles and drag is on, but nothing lets the gas push "
+                << "them: add 'fix ID all hotbed/drag', or set drag none in constant/couplingProperties"
+                << exit(FatalError);
         Gas gas(mesh, settings.heatTransfer && dem->heat());
         Coupling coupling(settings, mesh, *dem, gas, timing);
         coupling.map();

@@ -9,18 +9,20 @@ double beetstra(double voidage, double reynolds)
 {
     const double solids = 1.0 - voidage;
     const double creeping = 10.0 * solids / (voidage * voidage) + voidage * voidage * (1.0 + 1.5 * std::sqrt(solids));
-    if (reynolds <= 0.0) return creeping;
+    // below this the rest is lost in the last digit, and the powers would overflow
+    if (!(reynolds > 1e-12)) return creeping;
 
-    // Re * Re^-0.343 and Re^(0.5 + 2 solids) rather than negative powers: finite for every Re > 0
-    const double top = reynolds * (1.0 / voidage + 3.0 * voidage * solids) + 8.4 * std::pow(reynolds, 0.657);
-    const double bottom = 1.0 + std::pow(10.0, 3.0 * solids) * std::pow(reynolds, -0.5 - 2.0 * solids);
+    // powers as exponentials of one logarithm: this is evaluated for every particle in every gas step
+    const double log = std::log(reynolds);
+    const double top = reynolds * (1.0 / voidage + 3.0 * voidage * solids) + 8.4 * std::exp(0.657 * log);
+    const double bottom = 1.0 + std::exp(3.0 * M_LN10 * solids - (0.5 + 2.0 * solids) * log);
     return creeping + 0.413 / (24.0 * voidage * voidage) * top / bottom;
 }
 
 double gunn(double voidage, double reynolds, double prandtl)
 {
     const double pr = std::cbrt(prandtl);
-    const double re = std::pow(reynolds, 0.1);
+    const double re = reynolds > 0.0 ? std::exp(0.1 * std::log(reynolds)) : 0.0;
     const double re2 = re * re;
     const double re7 = re2 * re2 * re2 * re;
     const double e2 = voidage * voidage;

@@ -27,18 +27,27 @@ FixPropertyGlobal* optional(PropertyRegistry& registry, const char* name, const 
 FixPropertyGlobal& required(PropertyRegistry& registry, const char* name, const char* unit, const char* caller)
 {
     if (FixPropertyGlobal* property = optional(registry, name, caller)) return *property;
-    registry.getLAMMPS()->error->all(
-        FLERR, (std::string(caller) + ": " + name + " is missing: add 'fix ID all property/global " + name +
-                " peratomtypepair " + std::to_string(registry.max_type()) + " ...' " + unit +
-                ", the original particle's, one value for each pair of types")
-                   .c_str());
+    registry.getLAMMPS()->error->all(FLERR, (std::string(caller) + ": " + name +
+                                             " is missing: add 'fix ID all property/global " + name +
+                                             " peratomtypepair " + std::to_string(registry.max_type()) + " ...' " +
+                                             unit + ", the original particle's, one value for each pair of types")
+                                                .c_str());
     std::abort();
 }
 
 using Check = bool (*)(double);
-bool positive(double v) { return v > 0.0 && std::isfinite(v); }
-bool notNegative(double v) { return v >= 0.0 && std::isfinite(v); }
-bool fraction(double v) { return v > 0.0 && v <= 1.0; }
+bool positive(double v)
+{
+    return v > 0.0 && std::isfinite(v);
+}
+bool notNegative(double v)
+{
+    return v >= 0.0 && std::isfinite(v);
+}
+bool fraction(double v)
+{
+    return v > 0.0 && v <= 1.0;
+}
 
 /// checked value of a property for a pair of types (0-based)
 double value(PropertyRegistry& registry, FixPropertyGlobal& property, const char* name, Check good, const char* range,
@@ -46,9 +55,9 @@ double value(PropertyRegistry& registry, FixPropertyGlobal& property, const char
 {
     const double v = property.compute_array(i, j);
     if (!good(v))
-        registry.getLAMMPS()->error->all(FLERR, (std::string("property/global ") + name + " must be " + range + ", but is " +
-                                                 std::to_string(v) + " for types " + std::to_string(i + 1) + " and " +
-                                                 std::to_string(j + 1))
+        registry.getLAMMPS()->error->all(FLERR, (std::string("property/global ") + name + " must be " + range +
+                                                 ", but is " + std::to_string(v) + " for types " +
+                                                 std::to_string(i + 1) + " and " + std::to_string(j + 1))
                                                     .c_str());
     return v;
 }
@@ -98,7 +107,8 @@ MatrixProperty* tangentialStiffnesses(PropertyRegistry& registry, const char* ca
 {
     const double cube = cubedRatio(registry);
     if (FixPropertyGlobal* kt = optional(registry, "kt", caller))
-        return fill(registry, [&](int i, int j) { return cube * value(registry, *kt, "kt", notNegative, ">= 0", i, j); });
+        return fill(registry,
+                    [&](int i, int j) { return cube * value(registry, *kt, "kt", notNegative, ">= 0", i, j); });
     FixPropertyGlobal& kn = required(registry, "kn", "[N/m]", caller);
     FixPropertyGlobal& en = required(registry, "coefficientRestitution", "[-]", caller);
     FixPropertyGlobal& et = required(registry, "tangentialRestitution", "[-] (or give kt and etat)", caller);
@@ -151,8 +161,8 @@ MatrixProperty* tangentialDashpots(PropertyRegistry& registry, const char* calle
 MatrixProperty* friction(PropertyRegistry& registry, const char* caller, bool)
 {
     FixPropertyGlobal& mu = required(registry, "coefficientFriction", "[-]", caller);
-    return fill(registry, [&](int i, int j)
-                { return value(registry, mu, "coefficientFriction", notNegative, ">= 0", i, j); });
+    return fill(registry,
+                [&](int i, int j) { return value(registry, mu, "coefficientFriction", notNegative, ">= 0", i, j); });
 }
 
 } // namespace hotbed

@@ -1,16 +1,13 @@
 #pragma once
 
 /// The contact constants of the coarse particles by pair of types, for LIGGGHTS' property registry. Read from the
-/// original particle's constants that the script gives as property/global ... peratomtypepair; the coarse-graining ratio
-/// comes from its one owner, fix hotbed/coarsegrain. Errors name the property and the mend.
+/// original particle's constants that the script gives as property/global ... peratomtypepair; the coarse-graining
+/// ratio comes from its one owner, fix hotbed/coarsegrain. Errors name the property and the mend.
 
 #include "property_registry.h"
 
 namespace hotbed
 {
-
-
-
 
 /// kn [N/m], original; l^3 times it is returned
 MatrixProperty* normalStiffness(PropertyRegistry& registry, const char* caller, bool sanityChecks);

@@ -6,8 +6,8 @@ namespace LAMMPS_NS
 {
 
 /// fix ID group hotbed/drag
-/// Applies the force that the gas exerts on each particle, constant over a gas step, and keeps what the next gas step must
-/// know of the last one. Both go with the particle from rank to rank and into restart files.
+/// Applies the force that the gas exerts on each particle, constant over a gas step, and keeps what the next gas step
+/// must know of the last one. Both go with the particle from rank to rank and into restart files.
 class FixHotbedDrag : public Fix
 {
 public:

@@ -1,4 +1,5 @@
-/// Adds `pair_style gran model hotbed tangential hotbed`, and the same for fix wall/gran, to LIGGGHTS' public factories.
+/// Adds `pair_style gran model hotbed tangential hotbed`, and the same for fix wall/gran, to LIGGGHTS' public
+/// factories.
 
 #include "contact_models.h"
 #include "fix_insert_stream.h"
@@ -13,9 +14,9 @@ namespace
 {
 
 using namespace LIGGGHTS;
-using Style = ContactModels::GranStyle<ContactModels::HOTBED_NORMAL, ContactModels::HOTBED_TANGENTIAL,
-                                       ContactModels::COHESION_OFF, ContactModels::ROLLING_OFF,
-                                       ContactModels::SURFACE_DEFAULT>;
+using Style =
+    ContactModels::GranStyle<ContactModels::HOTBED_NORMAL, ContactModels::HOTBED_TANGENTIAL,
+                             ContactModels::COHESION_OFF, ContactModels::ROLLING_OFF, ContactModels::SURFACE_DEFAULT>;
 using Model = ContactModels::ContactModel<Style>;
 
 PairStyles::IGranularPairStyle* makePair(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::PairGran* parent, int64_t hash)

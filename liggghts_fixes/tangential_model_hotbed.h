@@ -14,9 +14,9 @@ namespace LIGGGHTS
 namespace ContactModels
 {
 
-/// Tangential spring and dashpot with Coulomb's limit on their SUM, eq 19. Beyond the limit the force keeps the direction
-/// of spring plus dashpot and the spring is shortened to what that force leaves, so that nothing jumps where sliding
-/// turns into sticking (the paper takes the direction of the sliding velocity and says nothing of the spring).
+/// Tangential spring and dashpot with Coulomb's limit on their SUM, eq 19. Beyond the limit the force keeps the
+/// direction of spring plus dashpot and the spring is shortened to what that force leaves, so that nothing jumps where
+/// sliding turns into sticking (the paper takes the direction of the sliding velocity and says nothing of the spring).
 template <> class TangentialModel<HOTBED_TANGENTIAL> : public TangentialModelBase
 {
 public:

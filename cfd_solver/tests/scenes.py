@@ -17,6 +17,8 @@ SMALL = {"l": "2.5", "height": "0.03", "cellsHeight": "20", "endTime": "0.1", "w
 class CoupledTest(unittest.TestCase):
     """A test with a folder of its own for its runs."""
 
+    example = FIXED_BED
+
     def setUp(self):
         self._folder = tempfile.TemporaryDirectory()
         self.folder = Path(self._folder.name)
@@ -25,13 +27,13 @@ class CoupledTest(unittest.TestCase):
         self._folder.cleanup()
 
     def scene(self, name="scene", ranks=1, edits=(), **settings):
-        """A prepared small fixed bed. @param edits (file, pattern, replacement) made before the mesh"""
+        """A prepared copy of the example, small in the case of the fixed bed. @param edits (file, pattern, replacement) made before the mesh"""
         case = self.folder / f"{name}-case"
-        copy(FIXED_BED, case)
+        copy(self.example, case)
         for file, pattern, replacement in edits:
             edit(case / file, pattern, replacement)
         target = self.folder / name
-        run.prepare(case, target, {**SMALL, **{k: str(v) for k, v in settings.items()}}, ranks=ranks)
+        run.prepare(case, target, {**(SMALL if self.example == FIXED_BED else {}), **{k: str(v) for k, v in settings.items()}}, ranks=ranks)
         return target
 
     def solve(self, target, ranks=1):
