@@ -28,6 +28,24 @@ Bed::Bed(const Time& runTime, const Coupling& coupling, const Dem& dem, const Ga
     csv_ << '\n' << std::setprecision(17);
 }
 
+dictionary Bed::state() const
+{
+    dictionary state;
+    state.add("gasEnergyAtStart", gasEnergyAtStart_);
+    state.add("particleEnergyAtStart", particleEnergyAtStart_);
+    state.add("inflow", inflow_);
+    state.add("exchanged", exchanged_);
+    return state;
+}
+
+void Bed::resume(const dictionary& state)
+{
+    gasEnergyAtStart_ = state.get<scalar>("gasEnergyAtStart");
+    particleEnergyAtStart_ = state.get<scalar>("particleEnergyAtStart");
+    inflow_ = state.get<scalar>("inflow");
+    exchanged_ = state.get<scalar>("exchanged");
+}
+
 double Bed::particleEnergy() const
 {
     double sum = 0;

@@ -13,6 +13,10 @@ class Bed
 public:
     Bed(const Foam::Time& runTime, const Coupling& coupling, const Dem& dem, const Gas& gas);
 
+    /// The budget so far, for a run that goes on from a restart.
+    Foam::dictionary state() const;
+    void resume(const Foam::dictionary& state);
+
     /// One line, after a step.
     void record();
 

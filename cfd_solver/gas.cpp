@@ -31,7 +31,7 @@ Gas::Gas(fvMesh& mesh, bool energy)
                dimensionedScalar("voidage", dimless, 1.0), zeroGradientFvPatchScalarField::typeName),
       rho_(inputOutput("rho", mesh, IOobject::NO_READ, IOobject::NO_WRITE), thermo_->rho()),
       U_(inputOutput("U", mesh, IOobject::MUST_READ, IOobject::AUTO_WRITE), mesh),
-      mass_(inputOutput("gasMass", mesh, IOobject::NO_READ, IOobject::NO_WRITE), voidage_ * rho_),
+      mass_(inputOutput("gasMass", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), voidage_ * rho_),
       phi_(inputOutput("phi", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), fvc::flux(mass_ * U_)),
       g_(gravityFile(mesh)), exchangeTemperature_(thermo_->T().primitiveField())
 {
@@ -45,12 +45,19 @@ Gas::Gas(fvMesh& mesh, bool energy)
     exchange_.heatSource.setSize(n, 0.0);
 }
 
-void Gas::initialise()
+void Gas::initialise(bool resumed)
 {
-    voidage_.correctBoundaryConditions();
-    U_.correctBoundaryConditions(); // the interstitial inlet velocity follows the voidage
-    mass_ = voidage_ * rho_;
-    phi_ = fvc::flux(mass_ * U_);
+    if (!resumed)
+    {
+        voidage_.correctBoundaryConditions();
+        U_.correctBoundaryConditions(); // the interstitial inlet velocity follows the voidage
+        mass_ = voidage_ * rho_;
+        phi_ = fvc::flux(mass_ * U_);
+    }
+    // fields of the step before, as they are now: made before anything touches their boundary values
+    U_.oldTime();
+    phi_.oldTime();
+    mass_.oldTime();
     // the turbulence model sees voidage * rho as its density: then its equations are those of the bed
     turbulence_ = compressible::turbulenceModel::New(mass_, U_, phi_, *thermo_);
     turbulence_->validate();
@@ -60,6 +67,7 @@ void Gas::initialise()
 
 void Gas::advance()
 {
+    rho_ = thermo_->rho();
     mass_.oldTime();
     voidage_.correctBoundaryConditions();
     while (pimple_.loop())

@@ -33,7 +33,8 @@ public:
     Exchange& exchange() { return exchange_; }
 
     /// Makes the start consistent with a voidage that was set after construction.
-    void initialise();
+    /// @param resumed  fields were read from a restart: they are consistent
+    void initialise(bool resumed);
 
     /// One time step: momentum, pressure, energy.
     void advance();

@@ -4,6 +4,7 @@
 #include "bed.hpp"
 #include "coupling.hpp"
 #include "gas.hpp"
+#include "restart.hpp"
 #include "settings.hpp"
 
 #include "foamVersion.H"
@@ -83,14 +84,6 @@ void checkVersion()
                              << ": remove the folder build and build again (./hotbed test --quick)" << exit(FatalError);
 }
 
-void refuseRestart(const Time& runTime)
-{
-    if (runTime.timeIndex() != 0 || runTime.value() > 0)
-        FatalErrorInFunction << "the run would start at " << runTime.timeName()
-                             << " s, but particle temperatures are not restarted yet: set startFrom startTime and "
-                             << "startTime 0 in system/controlDict" << exit(FatalError);
-}
-
 void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettings& settings)
 {
     const label particles = returnReduce(label(dem.size()), sumOp<label>());
@@ -122,17 +115,26 @@ int main(int argc, char* argv[])
     long steps = 0;
     {
         checkVersion();
+        Restart::setAsideUnfinished(args.globalPath());
         Time runTime(Time::controlDictName, args);
-        refuseRestart(runTime);
+        const Restart restart(runTime);
         const CouplingSettings settings(runTime);
         Timing timing;
         std::unique_ptr<Dem> dem;
         try
         {
             const auto time = timing.measure("DEM set-up");
-            dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, readSettings(runTime), "log.liggghts");
+            auto variables = readSettings(runTime);
+            variables.emplace_back("resume", restart.resumed() ? "1" : "0");
+            variables.emplace_back("restart", restart.particles());
+            dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, variables, "log.liggghts");
             demSteps(runTime, *dem, settings.demScript);
-            dem->setup();
+            if (restart.resumed() && dem->step() != restart.state().get<label>("demStep"))
+                FatalErrorInFunction << settings.demScript
+                                     << " did not go on from the restart: where the variable resume "
+                                     << "is 1, it must say 'read_restart ${restart}' instead of making a box and "
+                                     << "particles" << exit(FatalError);
+            dem->setup(restart.resumed());
         }
         catch (const std::exception& problem)
         {
@@ -147,10 +149,12 @@ int main(int argc, char* argv[])
         Gas gas(mesh, settings.heatTransfer && dem->heat());
         Coupling coupling(settings, mesh, *dem, gas, timing);
         coupling.map();
-        gas.initialise();
+        gas.initialise(restart.resumed());
         printOptions(*dem, coupling, settings);
         Bed bed(runTime, coupling, *dem, gas);
+        if (restart.resumed()) bed.resume(restart.state());
 
+        if (settings.writeRestart) restart.begin();
         Info << "Starting time loop" << nl << endl;
         while (runTime.run())
         {
@@ -173,7 +177,13 @@ int main(int argc, char* argv[])
             }
             const auto time = timing.measure("output");
             bed.record();
-            runTime.write();
+            if (runTime.write() && settings.writeRestart)
+            {
+                dem->writeRestart(restart.folder() / "particles.liggghts");
+                dictionary state(bed.state());
+                state.add("demStep", label(dem->step()));
+                restart.complete(state);
+            }
             ++steps;
         }
         dem->finish();

@@ -66,7 +66,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
         IOobject("couplingProperties", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false));
 
     const wordList known = sorted({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
-                                   "kernelSamples", "temperatureGradient"});
+                                   "kernelSamples", "temperatureGradient", "writeRestart"});
     for (const word& key : dict.toc())
         if (key != "FoamFile" && !known.found(key))
             FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)
@@ -93,6 +93,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
             FatalIOErrorInFunction(dict) << "kernelSamples must be from 1 to 64, not " << kernelSamples
                                          << exit(FatalIOError);
     }
+    writeRestart = dict.lookupOrDefault<Switch>("writeRestart", true);
     temperatureGradient = dict.lookupOrDefault<Switch>("temperatureGradient", true);
 }
 

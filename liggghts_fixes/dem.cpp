@@ -95,14 +95,9 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
         instance_->moving |= lmp.modify->fix[i]->time_integrate != 0 || lmp.modify->fix[i]->force_reneighbor != 0;
 }
 
-Dem::~Dem()
-{
-    FILE* screen = instance_->lmp ? instance_->lmp->screen : nullptr;
-    instance_->lmp.reset(); // closes the log; the screen is closed there too unless it is stdout
-    (void)screen;
-}
+Dem::~Dem() = default;
 
-void Dem::setup()
+void Dem::setup(bool resumed)
 {
     LAMMPS& lmp = *instance_->lmp;
     Update& update = *lmp.update;
@@ -112,6 +107,22 @@ void Dem::setup()
     update.laststep = update.endstep = update.ntimestep + update.nsteps;
     lmp.init();
     update.integrate->setup();
+    if (resumed && instance_->drag) instance_->drag->restoreForces();
+}
+
+void Dem::writeRestart(const std::string& path)
+{
+    LAMMPS& lmp = *instance_->lmp;
+    if (instance_->drag) instance_->drag->keepForces();
+    // the springs of the contacts live in the neighbour lists; LIGGGHTS saves what its fix took from them at the last
+    // rebuild, which may be long ago
+    for (int i = 0; i < lmp.modify->nfix; ++i)
+        if (std::strcmp(lmp.modify->fix[i]->style, "contacthistory") == 0) lmp.modify->fix[i]->pre_exchange();
+    std::string unfinished = path + ".unfinished";
+    WriteRestart(&lmp).write(&unfinished[0]);
+    if (lmp.comm->me == 0 && std::rename(unfinished.c_str(), path.c_str()) != 0)
+        throw std::runtime_error("cannot write the restart file '" + path + "'");
+    MPI_Barrier(lmp.world);
 }
 
 int Dem::size() const
@@ -163,6 +174,11 @@ double Dem::ratio() const
 double Dem::timestep() const
 {
     return instance_->lmp->update->dt;
+}
+
+long Dem::step() const
+{
+    return long(instance_->lmp->update->ntimestep);
 }
 
 bool Dem::moving() const

@@ -25,7 +25,11 @@ public:
     ~Dem();
 
     /// Set-up of the run (lists, ghosts, first forces); after it particles can be read.
-    void setup();
+    /// @param resumed  the script read what writeRestart wrote: forces go on from there
+    void setup(bool resumed);
+
+    /// Writes LIGGGHTS' restart file with everything of the particles; the name appears when the file is complete.
+    void writeRestart(const std::string& path);
 
     int size() const;                    ///< particles of this rank
     const double (*position() const)[3]; ///< [m]
@@ -36,6 +40,7 @@ public:
 
     double ratio() const;    ///< coarse-graining ratio of fix hotbed/coarsegrain, 1 without one
     double timestep() const; ///< [s]
+    long step() const;       ///< LIGGGHTS' step number
     bool moving() const;     ///< whether anything in the script moves or adds particles
     bool heat() const;       ///< whether the script has a fix hotbed/heat
 

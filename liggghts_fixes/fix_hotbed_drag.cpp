@@ -35,6 +35,7 @@ void FixHotbedDrag::post_create()
 {
     force_ = property("gasForce", 3);
     lastStep_ = property("gasStep", 7);
+    kept_ = property("restartForce", 6);
 }
 
 double** FixHotbedDrag::force() const
@@ -53,6 +54,24 @@ void FixHotbedDrag::set(int particle, const double* force)
     if (atom->mask[particle] & groupbit)
         for (int a = 0; a < 3; ++a) atom->f[particle][a] += force[a] - kept[a];
     std::copy_n(force, 3, kept);
+}
+
+void FixHotbedDrag::keepForces()
+{
+    for (int i = 0; i < atom->nlocal; ++i)
+    {
+        std::copy_n(atom->f[i], 3, kept_->array_atom[i]);
+        std::copy_n(atom->torque[i], 3, kept_->array_atom[i] + 3);
+    }
+}
+
+void FixHotbedDrag::restoreForces()
+{
+    for (int i = 0; i < atom->nlocal; ++i)
+    {
+        std::copy_n(kept_->array_atom[i], 3, atom->f[i]);
+        std::copy_n(kept_->array_atom[i] + 3, 3, atom->torque[i]);
+    }
 }
 
 void FixHotbedDrag::post_force(int)

@@ -26,11 +26,17 @@ public:
 
     double** lastStep() const; ///< 7 values: velocity at the start of the last gas step, drag in it [N], its length [s]
 
+    /// Keeps all forces and torques of the particles, or puts them back: LIGGGHTS evaluates them anew when a run
+    /// starts, at velocities half a step further on than a run that goes on.
+    void keepForces();
+    void restoreForces();
+
 private:
     class FixPropertyAtom* property(const char* name, int values);
 
     class FixPropertyAtom* force_ = nullptr;
     class FixPropertyAtom* lastStep_ = nullptr;
+    class FixPropertyAtom* kept_ = nullptr;
 };
 
 } // namespace LAMMPS_NS

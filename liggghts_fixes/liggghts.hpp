@@ -17,3 +17,4 @@
 #include "neighbor.h"
 #include "output.h"
 #include "update.h"
+#include "write_restart.h"

@@ -40,7 +40,7 @@ CASES = {
     "gas step no whole number of DEM steps": (SCRIPT, r"^timestep.*", "timestep 1e-3",
                                               ["whole number", "deltaT", "controlDict", "timestep", SCRIPT]),
     "gas step shorter than a DEM step": (SCRIPT, r"^timestep.*", "timestep 1", ["whole number", "deltaT"]),
-    "restart": ("system/controlDict", r"^startTime.*", "startTime 1;", ["controlDict", "startTime 0"]),
+    "restart": ("system/controlDict", r"^startTime.*", "startTime 1;", ["controlDict", "startTime 0", "holds no complete restart"]),
     "energy in e": ("constant/thermophysicalProperties", r"sensibleEnthalpy", "sensibleInternalEnergy", ["h"]),
 }
 
