@@ -62,7 +62,7 @@ def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
             raise CaseError(f"{case} is not a Hotbed case: {needed} is missing")
     if run.exists():
         if not overwrite:
-            raise CaseError(f"{run} holds a run already: look at it, or add --overwrite to make it anew")
+            raise CaseError(f"{run} holds a run already: add --restart to go on with it, or --overwrite to make it anew")
         shutil.rmtree(run)
     changes = dict(changes or {})
     if full:
@@ -81,12 +81,38 @@ def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
         change_settings(run / "settings", changes)
     tool(run, "blockMesh")
     if ranks > 1:
-        dictionary = run / "system/decomposeParDict"
-        text, found = re.subn(r"(?m)^(\s*numberOfSubdomains\s+)\d+", rf"\g<1>{ranks}", dictionary.read_text())
-        if not found:
-            raise CaseError(f"{dictionary}: the entry numberOfSubdomains is missing")
-        dictionary.write_text(text)
-        tool(run, "decomposePar")
+        decompose(run, ranks)
+
+
+def resume(run, changes=None, ranks=1):
+    """Makes a folder that holds a run ready to go on from its last restart, on any number of ranks.
+
+    Raises CaseError where there is no run, or one without restarts.
+    """
+    run = Path(run)
+    if not any(run.glob("restart/*/state")):
+        raise CaseError(f"{run} holds no restart to go on from: run it anew, without --restart")
+    if changes:
+        change_settings(run / "settings", changes)
+    before = len(list(run.glob("processor*"))) or 1
+    if before == ranks:
+        return
+    if before > 1:
+        tool(run, "reconstructPar", "-latestTime")
+        for folder in run.glob("processor*"):
+            shutil.rmtree(folder)
+    if ranks > 1:
+        decompose(run, ranks, "-latestTime")
+
+
+def decompose(run, ranks, *options):
+    """Splits the gas for a number of ranks."""
+    dictionary = Path(run) / "system/decomposeParDict"
+    text, found = re.subn(r"(?m)^(\s*numberOfSubdomains\s+)\d+", rf"\g<1>{ranks}", dictionary.read_text())
+    if not found:
+        raise CaseError(f"{dictionary}: the entry numberOfSubdomains is missing")
+    dictionary.write_text(text)
+    tool(run, "decomposePar", *options)
 
 
 def tool(run, *command):
@@ -165,6 +191,7 @@ def main():
     parser.add_argument("--full", action="store_true", help="the full size, file settings.full")
     parser.add_argument("--until", metavar="T", help="other end time [s]")
     parser.add_argument("--overwrite", action="store_true", help="make a run anew that is there already")
+    parser.add_argument("--restart", action="store_true", help="go on from the last restart of the same run")
     parser.add_argument("--results", type=Path, default=Path("results"), help="where runs go (default: results)")
     options = parser.parse_args()
     try:
@@ -181,7 +208,10 @@ def main():
             changes["endTime"] = options.until
         case = options.case.resolve()
         run = options.results / case.name / label
-        prepare(case, run, changes, options.full, options.np, options.overwrite)
+        if options.restart:
+            resume(run, changes, options.np)
+        else:
+            prepare(case, run, changes, options.full, options.np, options.overwrite)
         end = float(subprocess.check_output(["foamDictionary", "-entry", "endTime", "-value", "system/controlDict"],
                                             cwd=run, env=environment(), text=True).split()[-1])
         print(f"running in {run}, log in {run}/log.hotbedFoam", flush=True)

@@ -37,9 +37,12 @@ def layers(path):
 
 
 def bed(run):
-    """bed.csv of a run as a structured array."""
-    path = next(Path(run).glob("postProcessing/hotbed/*/bed.csv"))
-    return np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True))
+    """bed.csv of a run as a structured array; where the run was stopped and went on, one piece after the other."""
+    paths = sorted(Path(run).glob("postProcessing/hotbed/*/bed.csv"), key=lambda p: float(p.parent.name))
+    pieces = [np.atleast_1d(np.genfromtxt(p, delimiter=",", names=True)) for p in paths]
+    for n, later in enumerate(paths[1:]):
+        pieces[n] = pieces[n][pieces[n]["time_s"] < float(later.parent.name) * (1 + 1e-9)]
+    return np.concatenate(pieces)
 
 
 def timing(run):

@@ -116,7 +116,7 @@ class RunCommand(CoupledTest):
         written = {p: p.stat().st_mtime_ns for p in (self.folder / "results").rglob("*")}
         again = self.command(FIXED_BED, *small)
         self.assertNotEqual(again.returncode, 0)
-        self.assertIn("holds a run already: look at it, or add --overwrite", again.stderr)
+        self.assertIn("or --overwrite to make it anew", again.stderr)
         self.assertEqual(written, {p: p.stat().st_mtime_ns for p in (self.folder / "results").rglob("*")})
         self.assertEqual(self.command(FIXED_BED, *small, "--overwrite").returncode, 0)
 
