@@ -9,7 +9,7 @@ import results
 
 SLIM_BED = ROOT / "examples" / "slim_bed"
 TIGHT = [("system/fvSolution", r"tolerance\s+1e-\d+", "tolerance 1e-12"),
-         ("system/fvSolution", r"relTol\s+\S+;", "relTol 0;"),
+         ("system/fvSolution", r"relTol\s+\S+;", "relTol 0;\n        maxIter 60;"),
          ("system/controlDict", r"writePrecision\s+\d+", "writePrecision 16")]
 DUMP = [("DEM/in.bed", r"^dump .*", "dump particles all custom ${every} DEM/post/particles*.txt id x y z vx vy vz f_Temp\n"
          'dump_modify particles sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g"')]
