@@ -31,8 +31,6 @@ public:
     /// Sum over all particles and ranks of |heat| exchanged in the last step [J].
     double heatExchanged() const { return heatExchanged_; }
 
-    const Mapping& mapping() const { return mapping_; }
-
 private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
     void closures();

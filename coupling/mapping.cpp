@@ -111,7 +111,6 @@ void Mapping::exchange(int fields, const double* send, const std::vector<int>& s
         if (count == 0) continue;
         requests.emplace_back();
         MPI_Isend(from, count * fields, MPI_DOUBLE, r, 0, communicator_, &requests.back());
-        bytesSent_ += std::int64_t(count) * fields * std::int64_t(sizeof(double));
     }
     MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }

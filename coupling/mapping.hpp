@@ -67,9 +67,6 @@ public:
     /// @param cellSums   [cells().size()][Fields], added to
     template <int Fields> void deposit(const double* copies, double* cellSums) const;
 
-    /// Bytes that this rank has sent to others so far.
-    std::int64_t bytesSent() const { return bytesSent_; }
-
 private:
     void route(const ParticlePositions& particles);
     void exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
@@ -88,7 +85,6 @@ private:
     std::vector<std::int64_t> start_{0};
     CellMass mass_;
     std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_;
-    std::int64_t bytesSent_ = 0;
 };
 
 template <int Fields> const double* Mapping::interpolate(const double* cellValues)

@@ -14,12 +14,6 @@ Timing::Scope Timing::measure(const std::string& phase)
     return Scope(entry.second);
 }
 
-double Timing::seconds(const std::string& phase) const
-{
-    const auto found = index_.find(phase);
-    return found == index_.end() ? 0.0 : phase_.at(found->second).second;
-}
-
 void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long steps) const
 {
     int rank = 0, ranks = 1;

@@ -30,8 +30,6 @@ public:
     /// @param phase name in the table; phases appear in the order of their names' first use
     Scope measure(const std::string& phase);
 
-    double seconds(const std::string& phase) const;
-
     /// The table: mean and largest time over the ranks, time a step, share of the whole. Collective; rank 0 writes.
     /// Phases must be the same on every rank.
     void print(std::ostream& out, MPI_Comm communicator, double total, long steps) const;
