@@ -26,6 +26,11 @@ bool cellBox(const fvMesh& mesh, label c, Box& box)
     return mag(volume - mesh.V()[c]) < 1e-9 * volume;
 }
 
+double sphereVolume(double radius)
+{
+    return 4.0 / 3.0 * M_PI * radius * radius * radius;
+}
+
 constexpr int gasFields = 8;  // voidage, U, rho, mu, kappa, Cp: one cache line a cell
 constexpr int heatSums = 7;   // G, X, G T, G decay, G x
 constexpr int readFields = 5; // T - grad T . x, grad T, what the early share adds
@@ -109,20 +114,20 @@ void Coupling::map()
         const auto time = timing_.measure("weights");
         const int n = dem_.size();
         halfWidth_.resize(n);
-        double widest = 0.0;
+        widest_ = 0.0;
         for (int i = 0; i < n; ++i)
         {
             halfWidth_[i] = 0.5 * (settings_.windowLength > 0 ? settings_.windowLength
                                                               : settings_.kernelWidth * 2.0 * dem_.radius()[i]);
-            widest = std::max(widest, halfWidth_[i]);
+            widest_ = std::max(widest_, halfWidth_[i]);
         }
         inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
+        reduce(widest_, maxOp<double>());
         if (!mapped_)
         {
             refuseOutside(inside_);
-            reduce(widest, maxOp<double>());
-            if (2.0 * widest > cmptMin(mesh_.bounds().span()))
-                WarningInFunction << "the kernel is " << 2.0 * widest << " m wide, wider than the domain "
+            if (2.0 * widest_ > cmptMin(mesh_.bounds().span()))
+                WarningInFunction << "the kernel is " << 2.0 * widest_ << " m wide, wider than the domain "
                                   << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
                                   << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
         }
@@ -130,7 +135,7 @@ void Coupling::map()
     const auto time = timing_.measure("voidage");
     const int n = dem_.size();
     std::vector<double> volume(n);
-    for (int i = 0; i < n; ++i) volume[i] = 4.0 / 3.0 * M_PI * std::pow(dem_.radius()[i], 3);
+    for (int i = 0; i < n; ++i) volume[i] = sphereVolume(dem_.radius()[i]);
     std::vector<double> solids(mesh_.nCells(), 0.0);
     mapping_.deposit<1>(mapping_.toCopies(1, volume.data()), solids.data());
     volScalarField& voidage = gas_.voidage();
@@ -325,7 +330,7 @@ void Coupling::momentumToParticles()
     {
         const double* r = read + std::size_t(i) * 6;
         const double* exchange = &drag_[std::size_t(i) * 4];
-        const double volume = 4.0 / 3.0 * M_PI * std::pow(dem_.radius()[i], 3);
+        const double volume = sphereVolume(dem_.radius()[i]);
         double force[3];
         double* last = dem_.lastGasStep()[i];
         for (int a = 0; a < 3; ++a)
@@ -352,9 +357,6 @@ void Coupling::heatToParticles()
     if (settings_.temperatureGradient)
     {
         gradient = fvc::grad(gas_.T())().primitiveField();
-        double reach = 0.0;
-        for (const double n : halfWidth_) reach = std::max(reach, n);
-        reduce(reach, maxOp<double>());
         scalar lowest = min(gMin(T), gMin(gas_.T())), highest = max(gMax(T), gMax(gas_.T()));
         for (label c = 0; c < mesh_.nCells(); ++c)
         {
@@ -363,7 +365,7 @@ void Coupling::heatToParticles()
             scalar change = 0.0; // the most that a particle of this cell can be off its reading
             for (int a = 0; a < 3; ++a)
                 change +=
-                    mag(gradient[c][a]) * (reach + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
+                    mag(gradient[c][a]) * (widest_ + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
             const scalar room = max(min(T[c] - lowest, highest - T[c]), 0.0);
             if (change > room) gradient[c] *= room / change;
         }

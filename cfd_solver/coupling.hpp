@@ -53,6 +53,7 @@ private:
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
     std::vector<double> halfWidth_;    ///< kernel, by particle [m]
+    double widest_ = 0;                ///< largest halfWidth_ over all ranks [m]
     std::vector<double> drag_;         ///< by particle: G [kg/s], explicit part of the force on the gas [N]; see dragOn
     std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
     std::vector<double> conductance_;  ///< h A, by particle [W/K]

@@ -13,7 +13,7 @@ namespace hotbed
 namespace
 {
 
-wordList sorted(std::initializer_list<const char*> names)
+wordList words(std::initializer_list<const char*> names)
 {
     wordList list;
     for (const char* name : names) list.append(word(name));
@@ -65,17 +65,17 @@ CouplingSettings::CouplingSettings(const Time& runTime)
     const IOdictionary dict(
         IOobject("couplingProperties", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false));
 
-    const wordList known = sorted({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
-                                   "kernelSamples", "temperatureGradient", "writeRestart"});
+    const wordList known = words({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
+                                  "kernelSamples", "temperatureGradient", "writeRestart"});
     for (const word& key : dict.toc())
         if (key != "FoamFile" && !known.found(key))
             FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)
                                          << exit(FatalIOError);
 
     demScript = dict.get<fileName>("demScript");
-    drag = choice(dict, "drag", sorted({"Beetstra", "none"})) != "none";
-    heatTransfer = choice(dict, "heatTransfer", sorted({"Gunn", "none"})) != "none";
-    choice(dict, "kernel", sorted({"Deen"}));
+    drag = choice(dict, "drag", words({"Beetstra", "none"})) != "none";
+    heatTransfer = choice(dict, "heatTransfer", words({"Gunn", "none"})) != "none";
+    choice(dict, "kernel", words({"Deen"}));
     if (dict.found("kernelWidth") && dict.found("windowLength"))
         FatalIOErrorInFunction(dict) << "kernelWidth and windowLength are both given: keep one of the two"
                                      << exit(FatalIOError);

@@ -13,12 +13,11 @@ using namespace LAMMPS_NS;
 
 FixHotbedCoarsegrain::FixHotbedCoarsegrain(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg)
 {
-    for (int i = 0; i < modify->nfix; ++i)
-        if (std::strcmp(modify->fix[i]->style, style) == 0 && std::strcmp(modify->fix[i]->id, id) != 0)
-            error->fix_error(FLERR, this,
-                             (std::string("the coarse-graining ratio is given already, by fix ") + modify->fix[i]->id +
-                              ": keep one of the two")
-                                 .c_str());
+    if (const Fix* other = hotbed::anotherOfStyle(*modify, *this))
+        error->fix_error(
+            FLERR, this,
+            (std::string("the coarse-graining ratio is given already, by fix ") + other->id + ": keep one of the two")
+                .c_str());
 
     for (int i = 3; i < narg;)
     {

@@ -3,7 +3,6 @@
 #include "fix_hotbed_drag.h"
 
 #include <algorithm>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -12,9 +11,8 @@ using namespace LAMMPS_NS;
 FixHotbedDrag::FixHotbedDrag(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg)
 {
     if (narg != 3) error->fix_error(FLERR, this, "takes no arguments");
-    for (int i = 0; i < modify->nfix; ++i)
-        if (std::strcmp(modify->fix[i]->style, style) == 0 && std::strcmp(modify->fix[i]->id, id) != 0)
-            error->fix_error(FLERR, this, "the gas acts on the particles already through another fix hotbed/drag");
+    if (hotbed::anotherOfStyle(*modify, *this))
+        error->fix_error(FLERR, this, "the gas acts on the particles already through another fix hotbed/drag");
 }
 
 int FixHotbedDrag::setmask()

@@ -14,10 +14,8 @@ FixHotbedHeat::FixHotbedHeat(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg,
 {
     if (!atom->radius_flag || !atom->rmass_flag)
         error->fix_error(FLERR, this, "particles have no size or mass: use 'atom_style granular'");
-    if (modify->n_fixes_style("hotbed/heat") > 0)
-        for (int i = 0; i < modify->nfix; ++i)
-            if (std::strcmp(modify->fix[i]->style, style) == 0 && std::strcmp(modify->fix[i]->id, id) != 0)
-                error->fix_error(FLERR, this, "particle temperature is held already by another fix hotbed/heat");
+    if (hotbed::anotherOfStyle(*modify, *this))
+        error->fix_error(FLERR, this, "particle temperature is held already by another fix hotbed/heat");
     if (narg != 5 || std::strcmp(arg[3], "initial_temperature") != 0)
         error->fix_error(FLERR, this, "expecting 'initial_temperature T0' and nothing else");
     char* end = nullptr;

@@ -18,3 +18,20 @@
 #include "output.h"
 #include "update.h"
 #include "write_restart.h"
+
+#include <cstring>
+
+namespace hotbed
+{
+
+/// A fix of the same style under another id, of which a script may have only one; null without one. A fix that is
+/// redefined under its own id is not another one.
+inline LAMMPS_NS::Fix* anotherOfStyle(const LAMMPS_NS::Modify& modify, const LAMMPS_NS::Fix& fix)
+{
+    for (int i = 0; i < modify.nfix; ++i)
+        if (std::strcmp(modify.fix[i]->style, fix.style) == 0 && std::strcmp(modify.fix[i]->id, fix.id) != 0)
+            return modify.fix[i];
+    return nullptr;
+}
+
+} // namespace hotbed
