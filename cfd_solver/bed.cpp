@@ -17,14 +17,16 @@ Bed::Bed(const Time& runTime, const Coupling& coupling, const Dem& dem, const Ga
         gasEnergyAtStart_ = gasEnergy_ = gas_.energyContent();
         particleEnergyAtStart_ = particleEnergy_ = particleEnergy();
     }
+    gasMomentumAtStart_ = gasMomentum_ = gas_.momentumContent();
     if (!Pstream::master()) return;
     const fileName folder = runTime_.globalPath() / "postProcessing" / "hotbed" / runTime_.timeName();
     mkDir(folder);
     csv_.open(folder / "bed.csv");
-    csv_ << "time_s,particles,pressure_drop_Pa";
+    csv_ << "time_s,particles,pressure_drop_Pa,mismatch";
     if (coupling_.heat())
         csv_ << ",T_mean_K,T_min_K,T_max_K,Nu_mean,gas_T_min_K,gas_T_max_K,gas_energy_J,particle_energy_J,inflow_J,"
                 "exchanged_J,budget_error";
+    if (coupling_.push()) csv_ << ",impulse_x_Ns,impulse_y_Ns,impulse_z_Ns,impulse_exchanged_Ns,momentum_error";
     csv_ << '\n' << std::setprecision(17);
 }
 
@@ -35,6 +37,11 @@ dictionary Bed::state() const
     state.add("particleEnergyAtStart", particleEnergyAtStart_);
     state.add("inflow", inflow_);
     state.add("exchanged", exchanged_);
+    state.add("gasMomentumAtStart", gasMomentumAtStart_);
+    state.add("impulseIn", impulseIn_);
+    state.add("impulse", impulse_);
+    state.add("impulseExchanged", impulseExchanged_);
+    state.add("mismatch", mismatch_);
     return state;
 }
 
@@ -44,6 +51,11 @@ void Bed::resume(const dictionary& state)
     particleEnergyAtStart_ = state.get<scalar>("particleEnergyAtStart");
     inflow_ = state.get<scalar>("inflow");
     exchanged_ = state.get<scalar>("exchanged");
+    gasMomentumAtStart_ = state.get<vector>("gasMomentumAtStart");
+    impulseIn_ = state.get<vector>("impulseIn");
+    impulse_ = state.get<vector>("impulse");
+    impulseExchanged_ = state.get<scalar>("impulseExchanged");
+    mismatch_ = state.get<scalar>("mismatch");
 }
 
 double Bed::particleEnergy() const
@@ -58,7 +70,9 @@ void Bed::record()
 {
     const label particles = returnReduce(label(dem_.size()), sumOp<label>());
     const scalar pressureDrop = gas_.pressureDrop();
-    if (csv_.is_open()) csv_ << runTime_.value() << ',' << particles << ',' << pressureDrop;
+    if (csv_.is_open())
+        csv_ << runTime_.value() << ',' << particles << ',' << pressureDrop << ',' << coupling_.mismatch();
+    mismatch_ = std::max(mismatch_, coupling_.mismatch());
     if (coupling_.heat())
     {
         double sum = 0, low = GREAT, high = -GREAT, nusselt = 0;
@@ -86,11 +100,31 @@ void Bed::record()
                  << ',' << gasHigh << ',' << gasEnergy_ << ',' << particleEnergy_ << ',' << inflow_ << ',' << exchanged_
                  << ',' << error;
     }
+    if (coupling_.push())
+    {
+        gasMomentum_ = gas_.momentumContent();
+        impulseIn_ += gas_.momentumInflow();
+        impulse_ += coupling_.impulse();
+        impulseExchanged_ += mag(coupling_.impulse());
+        if (csv_.is_open())
+            csv_ << ',' << impulse_.x() << ',' << impulse_.y() << ',' << impulse_.z() << ',' << impulseExchanged_ << ','
+                 << momentumError();
+    }
     if (csv_.is_open()) csv_ << '\n';
+}
+
+double Bed::momentumError() const
+{
+    const double error = mag(gasMomentum_ - gasMomentumAtStart_ + impulse_ - impulseIn_);
+    return impulseExchanged_ > 0 ? error / impulseExchanged_ : 0.0;
 }
 
 void Bed::report(Ostream& out) const
 {
+    out << "Taken from one phase less given to the other, largest of all steps    " << mismatch_ << nl;
+    if (coupling_.push())
+        out << "Momentum budget: not accounted for " << momentumError() << " of the impulse given to the particles"
+            << nl;
     if (!coupling_.heat()) return;
     const double gas = gasEnergy_ - gasEnergyAtStart_, particles = particleEnergy_ - particleEnergyAtStart_;
     out << "Energy budget [J]" << nl << "    gained by the gas           " << gas << nl

@@ -25,6 +25,7 @@ public:
 
 private:
     double particleEnergy() const;
+    double momentumError() const; ///< not accounted for, of the impulse given to the particles
 
     const Foam::Time& runTime_;
     const Coupling& coupling_;
@@ -34,6 +35,12 @@ private:
 
     double gasEnergyAtStart_ = 0, particleEnergyAtStart_ = 0;
     double gasEnergy_ = 0, particleEnergy_ = 0, inflow_ = 0, exchanged_ = 0; ///< [J]
+    /// [N s]: momentum of the gas at the start and now; what came in and what the particles received since; the
+    /// latter's absolute values
+    Foam::vector gasMomentumAtStart_ = Foam::Zero, gasMomentum_ = Foam::Zero, impulseIn_ = Foam::Zero,
+                 impulse_ = Foam::Zero;
+    double impulseExchanged_ = 0;
+    double mismatch_ = 0; ///< largest of all steps
 };
 
 } // namespace hotbed

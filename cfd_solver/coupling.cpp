@@ -5,6 +5,7 @@
 #include "relaxation.hpp"
 
 #include <cmath>
+#include <numeric>
 
 using namespace Foam;
 
@@ -24,6 +25,11 @@ bool cellBox(const fvMesh& mesh, label c, Box& box)
     }
     const scalar volume = bounds.volume();
     return mag(volume - mesh.V()[c]) < 1e-9 * volume;
+}
+
+double relative(double difference, double size)
+{
+    return size > 0.0 ? difference / size : difference;
 }
 
 double sphereVolume(double radius)
@@ -305,6 +311,7 @@ void Coupling::heatToGas()
 
 void Coupling::gasToParticles()
 {
+    mismatch_ = 0.0;
     if (push_) momentumToParticles();
     if (heat_) heatToParticles();
 }
@@ -326,6 +333,8 @@ void Coupling::momentumToParticles()
     const double* read = mapping_.interpolate<6>(cell.data());
     const double dt = mesh_.time().deltaTValue();
     const double(*v)[3] = dem_.velocity();
+    vector received(Zero), dragReceived(Zero), dragGiven(Zero);
+    double exchanged = 0.0;
     for (int i = 0; i < dem_.size(); ++i)
     {
         const double* r = read + std::size_t(i) * 6;
@@ -339,10 +348,18 @@ void Coupling::momentumToParticles()
             force[a] = drag - volume * r[3 + a];
             last[a] = v[i][a];
             last[3 + a] = drag;
+            received[a] += force[a];
+            dragReceived[a] += drag;
+            exchanged += std::abs(drag);
         }
         last[6] = dt;
         dem_.setGasForce(i, force);
     }
+    const Exchange& exchange = gas_.exchange();
+    for (label c = 0; c < mesh_.nCells(); ++c) dragGiven += exchange.drag[c] * U[c] - exchange.dragSource[c];
+    impulse_ = dt * returnReduce(received, sumOp<vector>());
+    mismatch_ = relative(mag(returnReduce(vector(dragGiven - dragReceived), sumOp<vector>())),
+                         returnReduce(exchanged, sumOp<double>()));
 }
 
 void Coupling::heatToParticles()
@@ -402,6 +419,13 @@ void Coupling::heatToParticles()
     }
     reduce(heatExchanged_, sumOp<double>());
     dem_.receive(heatReceived_.data());
+
+    const Exchange& exchange = gas_.exchange();
+    double mismatch = std::accumulate(heatReceived_.begin(), heatReceived_.end(), 0.0);
+    for (label c = 0; c < mesh_.nCells(); ++c)
+        mismatch += dt * (exchange.heatSource[c] - exchange.conductance[c] * T[c]);
+    reduce(mismatch, sumOp<double>());
+    mismatch_ = std::max(mismatch_, relative(std::abs(mismatch), heatExchanged_));
 }
 
 } // namespace hotbed

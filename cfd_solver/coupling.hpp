@@ -18,6 +18,7 @@ public:
     Coupling(const CouplingSettings& settings, const Foam::fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing);
 
     bool heat() const { return heat_; }
+    bool push() const { return push_; } ///< particles answer to the gas
 
     /// Weights and voidage for where the particles are now.
     void map();
@@ -30,6 +31,13 @@ public:
 
     /// Sum over all particles and ranks of |heat| exchanged in the last step [J].
     double heatExchanged() const { return heatExchanged_; }
+
+    /// Impulse that the particles received in the last step, drag and pressure gradient, over all ranks [N s].
+    const Foam::vector& impulse() const { return impulse_; }
+
+    /// What the gas equations took in the last step less what the particles received, over what was exchanged: the
+    /// larger one of drag and heat. Round-off, or the coupling is broken.
+    double mismatch() const { return mismatch_; }
 
 private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
@@ -46,7 +54,7 @@ private:
     Gas& gas_;
     Timing& timing_;
     const bool heat_;
-    const bool push_;              ///< particles answer to the gas
+    const bool push_;
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
     bool mapped_ = false;
@@ -62,6 +70,8 @@ private:
     std::vector<double> early_;        ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_;
     double heatExchanged_ = 0;
+    Foam::vector impulse_ = Foam::Zero;
+    double mismatch_ = 0;
 };
 
 } // namespace hotbed

@@ -94,9 +94,13 @@ void Gas::momentum()
     continuity();
     U_.correctBoundaryConditions();
 
-    const volScalarField mu("muEff", voidage_ * thermo_->mu() + turbulence_->mut());
-    UEqn_ = fvm::ddt(mass_, U_) + fvm::div(phi_, U_) - fvm::laplacian(mu, U_) -
-            fvc::div(mu * dev2(Foam::T(fvc::grad(U_))), "div((muEff*dev2(T(grad(U)))))");
+    viscosity_.reset(new volScalarField("muEff", voidage_ * thermo_->mu() + turbulence_->mut()));
+    const volTensorField transposed(viscosity_() * dev2(Foam::T(fvc::grad(U_))));
+    transposedStress_ = Zero;
+    forAll(transposed.boundaryField(), patch) if (!mesh_.boundary()[patch].coupled()) transposedStress_ +=
+        sum(mesh_.Sf().boundaryField()[patch] & transposed.boundaryField()[patch]);
+    UEqn_ = fvm::ddt(mass_, U_) + fvm::div(phi_, U_) - fvm::laplacian(viscosity_(), U_) -
+            fvc::div(transposed, "div((muEff*dev2(T(grad(U)))))");
     fvVectorMatrix& UEqn = UEqn_.ref();
     UEqn.diag() += exchange_.drag;
     UEqn.source() += exchange_.dragSource;
@@ -272,6 +276,26 @@ void Gas::energy()
 
     exchangeTemperature_ = T0 + (h.primitiveField() - h0) / Cp;
     thermo_->correct();
+}
+
+vector Gas::momentumContent() const
+{
+    return gSum(vectorField(mass_.primitiveField() * U_.primitiveField() * mesh_.V()));
+}
+
+vector Gas::momentumInflow() const
+{
+    vector force = transposedStress_;
+    forAll(U_.boundaryField(), patch)
+    {
+        if (mesh_.boundary()[patch].coupled()) continue;
+        const fvPatchVectorField& U = U_.boundaryField()[patch];
+        force += sum(viscosity_().boundaryField()[patch] * mesh_.magSf().boundaryField()[patch] * U.snGrad() -
+                     phi_.boundaryField()[patch] * U - p_.boundaryField()[patch] * mesh_.Sf().boundaryField()[patch]);
+    }
+    force += g_.value() * sum(mass_.primitiveField() * mesh_.V());
+    reduce(force, sumOp<vector>());
+    return force * mesh_.time().deltaTValue();
 }
 
 tmp<volVectorField> Gas::pressureGradient() const

@@ -51,6 +51,10 @@ public:
     Foam::scalar courantNumber() const;                         ///< largest over all cells and ranks
     Foam::scalar energyContent() const;                         ///< sum voidage rho h V over all ranks [J]
     Foam::scalar energyInflow() const { return energyInflow_; } ///< enthalpy that entered in the last step [J]
+    Foam::vector momentumContent() const;                       ///< sum voidage rho U V over all ranks [N s]
+    /// Impulse that boundary (convection, pressure, stress) and gravity gave the bed in the last step, as far as the
+    /// gas feels it: with the pressure gradient on the particles' share of the volume, without gravity on them [N s].
+    Foam::vector momentumInflow() const;
 
 private:
     void momentum();
@@ -76,6 +80,8 @@ private:
 
     Exchange exchange_;
     Foam::tmp<Foam::fvVectorMatrix> UEqn_;
+    Foam::autoPtr<Foam::volScalarField> viscosity_;        ///< voidage * mu, with turbulence [Pa s]
+    Foam::vector transposedStress_;                        ///< force on this rank's boundary by mu dev2(grad U^T) [N]
     Foam::autoPtr<Foam::surfaceScalarField> enthalpyFlux_; ///< phi h at the end of the step before
     Foam::scalarField exchangeTemperature_;
     Foam::scalar energyInflow_ = 0;

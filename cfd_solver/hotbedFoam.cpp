@@ -60,7 +60,8 @@ int demSteps(const Time& runTime, const Dem& dem, const fileName& script)
     return whole;
 }
 
-/// With adjustTimeStep: the largest whole number of DEM steps that keeps maxCo and maxDeltaT.
+/// With adjustTimeStep: the largest whole number of DEM steps that keeps maxCo and maxDeltaT, made a little smaller
+/// where that meets the next write time or the end.
 void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
 {
     const dictionary& control = runTime.controlDict();
@@ -69,8 +70,22 @@ void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
     const scalar maxDeltaT = control.lookupOrDefault<scalar>("maxDeltaT", GREAT);
     const scalar now = runTime.deltaTValue();
     const scalar wanted = min(min(now * maxCo / max(Courant, SMALL), 1.2 * now), maxDeltaT);
-    const scalar steps = max(std::floor(wanted / dem.timestep() * (1 + 1e-9)), 1.0);
-    runTime.setDeltaT(steps * dem.timestep(), false);
+    long steps = std::max(std::lround(std::floor(wanted / dem.timestep() * (1 + 1e-9))), 1L);
+
+    scalar next = runTime.endTime().value();
+    if (control.lookupOrDefault<word>("writeControl", "timeStep") == "adjustableRunTime")
+    {
+        const scalar interval = control.get<scalar>("writeInterval");
+        const scalar since = runTime.value() - runTime.startTime().value();
+        next = min(next, runTime.startTime().value() + interval * (std::floor(since / interval * (1 + 1e-9)) + 1));
+    }
+    const long left = std::lround(min((next - runTime.value()) / dem.timestep(), scalar(1e9)));
+    if (left > 0)
+    {
+        const long pieces = (left + steps - 1) / steps;
+        steps = (left + pieces - 1) / pieces;
+    }
+    runTime.setDeltaT(scalar(steps) * dem.timestep(), false);
 }
 
 /// The solver is compiled against the headers of one version of OpenFOAM and must run with that very library.

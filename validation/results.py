@@ -37,9 +37,14 @@ def layers(path):
 
 
 def bed(run):
-    """bed.csv of a run as a structured array; where the run was stopped and went on, one piece after the other."""
+    """bed.csv of a run as a structured array; where the run was stopped and went on, one piece after the other. A line that
+    a killed run left unfinished is dropped."""
     paths = sorted(Path(run).glob("postProcessing/hotbed/*/bed.csv"), key=lambda p: float(p.parent.name))
-    pieces = [np.atleast_1d(np.genfromtxt(p, delimiter=",", names=True)) for p in paths]
+    pieces = []
+    for path in paths:
+        lines = path.read_text().splitlines(keepends=True)
+        whole = [line for line in lines if line.endswith("\n")]
+        pieces.append(np.atleast_1d(np.genfromtxt(whole, delimiter=",", names=True)))
     for n, later in enumerate(paths[1:]):
         pieces[n] = pieces[n][pieces[n]["time_s"] < float(later.parent.name) * (1 + 1e-9)]
     return np.concatenate(pieces)

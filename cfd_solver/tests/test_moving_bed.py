@@ -20,7 +20,7 @@ class MovingBed(CoupledTest):
 
     def bed(self, name, ranks=1, edits=(), **settings):
         """@return (run folder, log) of a slim bed with l = 2.5 that ran to its end"""
-        small = {"l": "2.5", "height": "0.05", "cellsHeight": "40", "writeInterval": settings["endTime"], **settings}
+        small = {"l": "2.5", "height": "0.05", "cellsHeight": "40", "maxDeltaT": "2.5e-5", "writeInterval": settings["endTime"], **settings}
         target = self.scene(name, ranks, edits, **small)
         code, log = self.solve(target, ranks)
         self.assertEqual(code, 0, log[-2000:])
