@@ -38,8 +38,9 @@ double sphereVolume(double radius)
 }
 
 constexpr int gasFields = 8;  // voidage, U, rho, mu, kappa, Cp: one cache line a cell
-constexpr int heatSums = 7;   // G, X, G T, G decay, G x
-constexpr int readFields = 5; // T - grad T . x, grad T, what the early share adds
+constexpr int heatSums = 8;   // G, X, G T, G decay, G x, and nothing: a cache line
+constexpr int pushFields = 8; // U, grad p
+constexpr int readFields = 8; // T - grad T . x, grad T, what the early share adds
 
 } // namespace
 
@@ -142,10 +143,10 @@ void Coupling::map()
     const int n = dem_.size();
     std::vector<double> volume(n);
     for (int i = 0; i < n; ++i) volume[i] = sphereVolume(dem_.radius()[i]);
-    std::vector<double> solids(mesh_.nCells(), 0.0);
-    mapping_.deposit<1>(mapping_.toCopies(1, volume.data()), solids.data());
+    cellValues_.assign(mesh_.nCells(), 0.0);
+    mapping_.deposit(1, mapping_.toCopies(1, volume.data()), cellValues_.data());
     volScalarField& voidage = gas_.voidage();
-    for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - solids[c] / mesh_.V()[c];
+    for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
         FatalErrorInFunction << "the voidage of a cell is " << least
@@ -201,10 +202,10 @@ void Coupling::closures()
         const vectorField& U = gas_.U();
         const fluidThermo& thermo = gas_.thermo();
         const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), kappa = thermo.kappa(), Cp = thermo.Cp();
-        std::vector<double> cell(std::size_t(mesh_.nCells()) * gasFields);
+        cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
         for (label c = 0; c < mesh_.nCells(); ++c)
         {
-            double* f = &cell[std::size_t(c) * gasFields];
+            double* f = &cellValues_[std::size_t(c) * gasFields];
             f[0] = voidage[c];
             for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
             f[4] = rho()[c];
@@ -212,7 +213,7 @@ void Coupling::closures()
             f[6] = kappa()[c];
             f[7] = Cp()[c];
         }
-        at = mapping_.interpolate<gasFields>(cell.data());
+        at = mapping_.interpolate(gasFields, cellValues_.data());
     }
     {
         const auto time = timing_.measure("closures");
@@ -247,12 +248,13 @@ void Coupling::closures()
     }
     const auto time = timing_.measure("drag to gas");
     Exchange& exchange = gas_.exchange();
-    std::vector<double> sums(std::size_t(mesh_.nCells()) * 4, 0.0);
-    mapping_.deposit<4>(mapping_.toCopies(4, drag_.data()), sums.data());
+    cellValues_.assign(std::size_t(mesh_.nCells()) * 4, 0.0);
+    mapping_.deposit(4, mapping_.toCopies(4, drag_.data()), cellValues_.data());
     for (label c = 0; c < mesh_.nCells(); ++c)
     {
-        exchange.drag[c] = sums[std::size_t(c) * 4];
-        for (int a = 0; a < 3; ++a) exchange.dragSource[c][a] = sums[std::size_t(c) * 4 + 1 + a];
+        const double* sum = &cellValues_[std::size_t(c) * 4];
+        exchange.drag[c] = sum[0];
+        for (int a = 0; a < 3; ++a) exchange.dragSource[c][a] = sum[1 + a];
     }
 }
 
@@ -279,21 +281,20 @@ void Coupling::heatToGas()
         give[3] = 1.0 - r.gain;
     }
     const double* copy = mapping_.toCopies(4, heatGiven_.data());
-
-    cellHeat_.assign(std::size_t(mesh_.nCells()) * heatSums, 0.0);
+    copyHeat_.resize(std::size_t(mapping_.copies()) * heatSums);
     for (int k = 0; k < mapping_.copies(); ++k)
     {
         const double* give = copy + std::size_t(k) * 4;
         const Point& x = mapping_.copyPosition(k);
-        const double value[heatSums] = {give[0],        give[1],        give[0] * give[2], give[0] * give[3],
-                                        give[0] * x[0], give[0] * x[1], give[0] * x[2]};
-        for (auto e = mapping_.start()[k]; e < mapping_.start()[k + 1]; ++e)
-        {
-            const double w = mapping_.weight()[e];
-            double* sum = &cellHeat_[std::size_t(mapping_.cell()[e]) * heatSums];
-            for (int f = 0; f < heatSums; ++f) sum[f] += w * value[f];
-        }
+        double* sum = &copyHeat_[std::size_t(k) * heatSums];
+        sum[0] = give[0];
+        sum[1] = give[1];
+        sum[2] = give[0] * give[2];
+        sum[3] = give[0] * give[3];
+        for (int a = 0; a < 3; ++a) sum[4 + a] = give[0] * x[a];
     }
+    cellHeat_.assign(std::size_t(mesh_.nCells()) * heatSums, 0.0);
+    mapping_.deposit(heatSums, copyHeat_.data(), cellHeat_.data());
 
     temperatureBefore_ = gas_.T().primitiveField();
     const scalarField capacity(gas_.heatCapacity());
@@ -322,22 +323,22 @@ void Coupling::momentumToParticles()
 {
     const auto time = timing_.measure("momentum to particles");
     const vectorField& U = gas_.U();
-    const tmp<volVectorField> gradient = gas_.pressureGradient();
-    std::vector<double> cell(std::size_t(mesh_.nCells()) * 6);
+    const vectorField& gradient = gas_.pressureGradient();
+    cellValues_.resize(std::size_t(mesh_.nCells()) * pushFields);
     for (label c = 0; c < mesh_.nCells(); ++c)
         for (int a = 0; a < 3; ++a)
         {
-            cell[std::size_t(c) * 6 + a] = U[c][a];
-            cell[std::size_t(c) * 6 + 3 + a] = gradient()[c][a];
+            cellValues_[std::size_t(c) * pushFields + a] = U[c][a];
+            cellValues_[std::size_t(c) * pushFields + 3 + a] = gradient[c][a];
         }
-    const double* read = mapping_.interpolate<6>(cell.data());
+    const double* read = mapping_.interpolate(pushFields, cellValues_.data());
     const double dt = mesh_.time().deltaTValue();
     const double(*v)[3] = dem_.velocity();
     vector received(Zero), dragReceived(Zero), dragGiven(Zero);
     double exchanged = 0.0;
     for (int i = 0; i < dem_.size(); ++i)
     {
-        const double* r = read + std::size_t(i) * 6;
+        const double* r = read + std::size_t(i) * pushFields;
         const double* exchange = &drag_[std::size_t(i) * 4];
         const double volume = sphereVolume(dem_.radius()[i]);
         double force[3];
@@ -388,12 +389,13 @@ void Coupling::heatToParticles()
         }
     }
 
-    std::vector<double> cell(std::size_t(mesh_.nCells()) * readFields, 0.0);
+    cellValues_.resize(std::size_t(mesh_.nCells()) * readFields);
     for (label c = 0; c < mesh_.nCells(); ++c)
     {
         const double* sum = &cellHeat_[std::size_t(c) * heatSums];
-        double* f = &cell[std::size_t(c) * readFields];
+        double* f = &cellValues_[std::size_t(c) * readFields];
         f[0] = T[c];
+        f[1] = f[2] = f[3] = 0.0;
         if (sum[0] > 0.0)
             for (int a = 0; a < 3; ++a)
             {
@@ -402,7 +404,7 @@ void Coupling::heatToParticles()
             }
         f[4] = early_[c] * (temperatureBefore_[c] - T[c]);
     }
-    const double* read = mapping_.interpolate<readFields>(cell.data());
+    const double* read = mapping_.interpolate(readFields, cellValues_.data());
 
     const double dt = mesh_.time().deltaTValue();
     const double(*x)[3] = dem_.position();

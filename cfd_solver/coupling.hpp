@@ -3,6 +3,7 @@
 #include "gas.hpp"
 #include "settings.hpp"
 
+#include "cell_values.hpp"
 #include "dem.hpp"
 #include "mapping.hpp"
 #include "timing.hpp"
@@ -66,7 +67,9 @@ private:
     std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
     std::vector<double> conductance_;  ///< h A, by particle [W/K]
     std::vector<double> heatReceived_; ///< heat received over a step, by particle [J]
-    std::vector<double> cellHeat_;     ///< by cell: sum w of G, X, G T, G decay, G x (3)
+    std::vector<double> copyHeat_;     ///< by copy: G, X, G T, G decay, G x (3)
+    CellValues cellHeat_;              ///< by cell: the same, summed with the weights
+    CellValues cellValues_;            ///< what is read or summed up just now
     std::vector<double> early_;        ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_;
     double heatExchanged_ = 0;

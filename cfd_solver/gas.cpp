@@ -54,6 +54,7 @@ void Gas::initialise(bool resumed)
         mass_ = voidage_ * rho_;
         phi_ = fvc::flux(mass_ * U_);
     }
+    pressureGradient_.reset(new volVectorField("grad(p)", fvc::grad(p_)));
     // fields of the step before, as they are now: made before anything touches their boundary values
     U_.oldTime();
     phi_.oldTime();
@@ -107,7 +108,7 @@ void Gas::momentum()
     if (mag(g_.value()) > 0) UEqn.source() += mass_.primitiveField() * g_.value() * mesh_.V();
     UEqn.relax();
 
-    if (pimple_.momentumPredictor()) solve(UEqn == -voidage_ * fvc::grad(p_));
+    if (pimple_.momentumPredictor()) solve(UEqn == -voidage_ * pressureGradient_());
 }
 
 void Gas::pressure()
@@ -136,7 +137,8 @@ void Gas::pressure()
         if (pimple_.finalNonOrthogonalIter()) phi_ = phiHbyA + pEqn.flux();
     }
     p_.relax();
-    U_ = HbyA - rAU * voidage_ * fvc::grad(p_);
+    pressureGradient_() = fvc::grad(p_);
+    U_ = HbyA - rAU * voidage_ * pressureGradient_();
     U_.correctBoundaryConditions();
     thermo_->correctRho(thermo_->psi() * p_ - psip0); // density at the new pressure
     continuity();
@@ -298,11 +300,6 @@ vector Gas::momentumInflow() const
     return force * mesh_.time().deltaTValue();
 }
 
-tmp<volVectorField> Gas::pressureGradient() const
-{
-    return fvc::grad(p_);
-}
-
 tmp<scalarField> Gas::heatCapacity() const
 {
     return mass_.primitiveField() * thermo_->Cp()->primitiveField() * mesh_.V();
@@ -329,10 +326,10 @@ scalar Gas::pressureDrop() const
     return in[0] > 0 && out[0] > 0 ? in[1] / in[0] - out[1] / out[0] : 0;
 }
 
-scalar Gas::courantNumber() const
+scalar Gas::courantRate() const
 {
     const scalarField sumPhi(fvc::surfaceSum(mag(phi_))->primitiveField());
-    return 0.5 * gMax(scalarField(sumPhi / (mass_.primitiveField() * mesh_.V()))) * mesh_.time().deltaTValue();
+    return 0.5 * gMax(scalarField(sumPhi / (mass_.primitiveField() * mesh_.V())));
 }
 
 scalar Gas::energyContent() const

@@ -29,7 +29,7 @@ public:
     const Foam::volVectorField& U() const { return U_; }
     const Foam::volScalarField& T() const { return thermo_->T(); }
     const Foam::fluidThermo& thermo() const { return *thermo_; }
-    Foam::tmp<Foam::volVectorField> pressureGradient() const;
+    const Foam::volVectorField& pressureGradient() const { return *pressureGradient_; }
     Exchange& exchange() { return exchange_; }
 
     /// Makes the start consistent with a voidage that was set after construction.
@@ -48,8 +48,8 @@ public:
 
     /// Mean pressure where gas enters less that where it leaves [Pa]; 0 without both.
     Foam::scalar pressureDrop() const;
-    Foam::scalar courantNumber() const;                         ///< largest over all cells and ranks
-    Foam::scalar energyContent() const;                         ///< sum voidage rho h V over all ranks [J]
+    Foam::scalar courantRate() const;   ///< largest Courant number over the time step, all cells and ranks [1/s]
+    Foam::scalar energyContent() const; ///< sum voidage rho h V over all ranks [J]
     Foam::scalar energyInflow() const { return energyInflow_; } ///< enthalpy that entered in the last step [J]
     Foam::vector momentumContent() const;                       ///< sum voidage rho U V over all ranks [N s]
     /// Impulse that boundary (convection, pressure, stress) and gravity gave the bed in the last step, as far as the
@@ -80,6 +80,7 @@ private:
 
     Exchange exchange_;
     Foam::tmp<Foam::fvVectorMatrix> UEqn_;
+    Foam::autoPtr<Foam::volVectorField> pressureGradient_;
     Foam::autoPtr<Foam::volScalarField> viscosity_;        ///< voidage * mu, with turbulence [Pa s]
     Foam::vector transposedStress_;                        ///< force on this rank's boundary by mu dev2(grad U^T) [N]
     Foam::autoPtr<Foam::surfaceScalarField> enthalpyFlux_; ///< phi h at the end of the step before

@@ -173,11 +173,12 @@ int main(int argc, char* argv[])
         Info << "Starting time loop" << nl << endl;
         while (runTime.run())
         {
-            adjustTimeStep(runTime, *dem, gas.courantNumber());
+            const scalar courantRate = gas.courantRate();
+            adjustTimeStep(runTime, *dem, courantRate * runTime.deltaTValue());
             ++runTime;
             const int substeps = demSteps(runTime, *dem, settings.demScript);
-            Info << "Time = " << runTime.timeName() << "  Courant " << gas.courantNumber() << "  DEM steps " << substeps
-                 << endl;
+            Info << "Time = " << runTime.timeName() << "  Courant " << courantRate * runTime.deltaTValue()
+                 << "  DEM steps " << substeps << endl;
 
             coupling.map();
             coupling.particlesToGas();

@@ -1,10 +1,12 @@
 #include "cells.hpp"
 
+#include "box_weights.hpp"
 #include "deen_kernel.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 
 namespace hotbed
@@ -77,6 +79,7 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
             for (int j = first[1]; j < last[1]; ++j)
                 for (int i = first[0]; i < last[0]; ++i) cellOf_[slot(i, j, k)] = c;
     }
+    full_ = std::find(cellOf_.begin(), cellOf_.end(), -1) == cellOf_.end();
 }
 
 Box BoxCells::bounds() const
@@ -118,58 +121,103 @@ bool BoxCells::contains(const Point& x) const
     return cellOf_[slot(i[0], i[1], i[2])] >= 0;
 }
 
-void BoxCells::append(const Point& x, double halfWidth, CellMass& out) const
+class BoxCells::Products : public Weights
 {
-    if (nCells_ == 0) return;
-    constexpr int onStack = 64;
-    std::array<std::array<double, onStack>, 3> small;
-    std::array<std::vector<double>, 3> large; // kernels of very many cells only
-    std::array<double*, 3> mass;
-    std::array<int, 3> first, count;
-    const double inverse = 1.0 / halfWidth;
-    for (int a = 0; a < 3; ++a)
+public:
+    explicit Products(const BoxCells& cells) : cells_(cells)
     {
-        const Axis& axis = axis_[a];
-        if (x[a] + halfWidth <= axis.face.front() || x[a] - halfWidth >= axis.face.back()) return;
-        first[a] = axis.interval(x[a] - halfWidth);
-        count[a] = axis.interval(x[a] + halfWidth) - first[a] + 1;
-        mass[a] = small[a].data();
-        if (count[a] > onStack)
+        weights_.cellOf = cells.cellOf_.data();
+        weights_.nx = cells.nSlots_[0];
+        weights_.nxy = cells.nSlots_[0] * cells.nSlots_[1];
+    }
+
+    void clear() override
+    {
+        weights_.particle.clear();
+        weights_.row.clear();
+    }
+
+    double append(const Point& x, double halfWidth) override
+    {
+        weights_.particle.emplace_back();
+        BoxWeights::Particle p;
+        p.row = std::int64_t(weights_.row.size());
+        std::array<int, 3> first;
+        for (int a = 0; a < 3; ++a)
         {
-            large[a].resize(count[a]);
-            mass[a] = large[a].data();
+            if (!cells_.reach(a, x[a], halfWidth, first[a], p.count[a])) return 0.0;
+            cells_.axisMasses(a, x[a], halfWidth, first[a], p.count[a], weights_.row);
         }
-        const double* face = &axis.face[first[a]];
-        double below = deenMassBelow((face[0] - x[a]) * inverse);
-        for (int i = 0; i < count[a]; ++i)
+        p.slot = cells_.slot(first[0], first[1], first[2]);
+        weights_.particle.back() = p;
+        if (!cells_.full_) return weights_.mass();
+        const double* row = &weights_.row[std::size_t(p.row)];
+        double mass = 1.0;
+        for (int a = 0; a < 3; row += p.count[a++]) mass *= std::accumulate(row, row + p.count[a], 0.0);
+        return mass;
+    }
+
+    void scale(const double* factor) override
+    {
+        for (const BoxWeights::Particle& p : weights_.particle)
         {
-            const double above = deenMassBelow((face[i + 1] - x[a]) * inverse);
-            mass[a][i] = above - below;
-            below = above;
-        }
-        if (empty(domain_)) continue;
-        for (const double wall : {domain_.low[a], domain_.high[a]})
-        {
-            if (std::abs(x[a] - wall) >= halfWidth) continue;
-            const double image = 2.0 * wall - x[a]; // the mirrored kernel reaches back into the domain
-            for (int i = 0; i < count[a]; ++i)
-                mass[a][i] +=
-                    deenMassBelow((face[i + 1] - image) * inverse) - deenMassBelow((face[i] - image) * inverse);
+            double* x = weights_.row.data() + p.row;
+            for (int i = 0; i < p.count[0]; ++i) x[i] *= *factor;
+            ++factor;
         }
     }
-    for (int k = 0; k < count[2]; ++k)
-        for (int j = 0; j < count[1]; ++j)
-        {
-            const double jk = mass[1][j] * mass[2][k];
-            const int* cell = &cellOf_[slot(first[0], first[1] + j, first[2] + k)];
-            for (int i = 0; i < count[0]; ++i)
-            {
-                const double w = mass[0][i] * jk;
-                if (cell[i] < 0 || !(w > 0.0)) continue;
-                out.cell.push_back(cell[i]);
-                out.mass.push_back(w);
-            }
-        }
+
+    void interpolate(int fields, const double* cells, double* particles) const override
+    {
+        hotbed::interpolate(fields, weights_, cells, particles);
+    }
+
+    void deposit(int fields, const double* particles, double* cells) const override
+    {
+        hotbed::deposit(fields, weights_, particles, cells);
+    }
+
+private:
+    const BoxCells& cells_;
+    BoxWeights weights_;
+};
+
+std::unique_ptr<Weights> BoxCells::weights() const
+{
+    return std::make_unique<Products>(*this);
+}
+
+bool BoxCells::reach(int a, double x, double halfWidth, int& first, int& count) const
+{
+    const Axis& axis = axis_[a];
+    if (nCells_ == 0 || x + halfWidth <= axis.face.front() || x - halfWidth >= axis.face.back()) return false;
+    first = axis.interval(x - halfWidth);
+    count = axis.interval(x + halfWidth) - first + 1;
+    return true;
+}
+
+void BoxCells::axisMasses(int a, double x, double halfWidth, int first, int count, std::vector<double>& out) const
+{
+    const std::size_t begin = out.size();
+    out.resize(begin + std::size_t(count));
+    double* mass = &out[begin];
+    const double inverse = 1.0 / halfWidth;
+    const double* face = &axis_[a].face[first];
+    double below = deenMassBelow((face[0] - x) * inverse);
+    for (int i = 0; i < count; ++i)
+    {
+        const double above = deenMassBelow((face[i + 1] - x) * inverse);
+        mass[i] = above - below;
+        below = above;
+    }
+    if (empty(domain_)) return;
+    for (const double wall : {domain_.low[a], domain_.high[a]})
+    {
+        if (std::abs(x - wall) >= halfWidth) continue;
+        const double image = 2.0 * wall - x; // the mirrored kernel reaches back into the domain
+        for (int i = 0; i < count; ++i)
+            mass[i] += deenMassBelow((face[i + 1] - image) * inverse) - deenMassBelow((face[i] - image) * inverse);
+    }
 }
 
 SampledCells::SampledCells(int size, const Box& bounds, Locate locate, int samplesPerAxis)
@@ -189,25 +237,78 @@ SampledCells::SampledCells(int size, const Box& bounds, Locate locate, int sampl
     }
 }
 
-void SampledCells::append(const Point& x, double halfWidth, CellMass& out) const
+class SampledCells::List : public Weights
 {
-    const double share = 1.0 / (double(node_.size()) * double(node_.size()) * double(node_.size()));
-    const std::size_t begin = out.cell.size();
-    for (const double nz : node_)
-        for (const double ny : node_)
-            for (const double nx : node_)
-            {
-                const int cell = locate_({{x[0] + nx * halfWidth, x[1] + ny * halfWidth, x[2] + nz * halfWidth}});
-                if (cell < 0) continue;
-                const auto known = std::find(out.cell.begin() + std::ptrdiff_t(begin), out.cell.end(), cell);
-                if (known != out.cell.end())
-                    out.mass[std::size_t(known - out.cell.begin())] += share;
-                else
+public:
+    explicit List(const SampledCells& cells) : cells_(cells) {}
+
+    void clear() override
+    {
+        start_.assign(1, 0);
+        cell_.clear();
+        weight_.clear();
+    }
+
+    double append(const Point& x, double halfWidth) override
+    {
+        const auto& node = cells_.node_;
+        const double share = 1.0 / (double(node.size()) * double(node.size()) * double(node.size()));
+        const auto begin = std::ptrdiff_t(cell_.size());
+        for (const double nz : node)
+            for (const double ny : node)
+                for (const double nx : node)
                 {
-                    out.cell.push_back(cell);
-                    out.mass.push_back(share);
+                    const int cell =
+                        cells_.locate_({{x[0] + nx * halfWidth, x[1] + ny * halfWidth, x[2] + nz * halfWidth}});
+                    if (cell < 0) continue;
+                    const auto known = std::find(cell_.begin() + begin, cell_.end(), cell);
+                    if (known != cell_.end())
+                        weight_[std::size_t(known - cell_.begin())] += share;
+                    else
+                    {
+                        cell_.push_back(cell);
+                        weight_.push_back(share);
+                    }
                 }
-            }
+        start_.push_back(std::int64_t(cell_.size()));
+        return std::accumulate(weight_.begin() + begin, weight_.end(), 0.0);
+    }
+
+    void scale(const double* factor) override
+    {
+        for (std::size_t k = 0; k + 1 < start_.size(); ++k)
+            for (auto e = start_[k]; e < start_[k + 1]; ++e) weight_[e] *= factor[k];
+    }
+
+    void interpolate(int fields, const double* cells, double* particles) const override
+    {
+        for (std::size_t k = 0; k + 1 < start_.size(); ++k, particles += fields)
+        {
+            std::fill_n(particles, fields, 0.0);
+            for (auto e = start_[k]; e < start_[k + 1]; ++e)
+                for (int f = 0; f < fields; ++f)
+                    particles[f] += weight_[e] * cells[std::size_t(cell_[e]) * std::size_t(fields) + f];
+        }
+    }
+
+    void deposit(int fields, const double* particles, double* cells) const override
+    {
+        for (std::size_t k = 0; k + 1 < start_.size(); ++k, particles += fields)
+            for (auto e = start_[k]; e < start_[k + 1]; ++e)
+                for (int f = 0; f < fields; ++f)
+                    cells[std::size_t(cell_[e]) * std::size_t(fields) + f] += weight_[e] * particles[f];
+    }
+
+private:
+    const SampledCells& cells_;
+    std::vector<std::int64_t> start_{0}; ///< entries of particle k: start_[k] to start_[k + 1]
+    std::vector<int> cell_;
+    std::vector<double> weight_;
+};
+
+std::unique_ptr<Weights> SampledCells::weights() const
+{
+    return std::make_unique<List>(*this);
 }
 
 } // namespace hotbed

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace hotbed
@@ -16,11 +17,27 @@ struct Box
     Point high{{-1, -1, -1}};
 };
 
-/// Kernel mass by cell, appended particle after particle.
-struct CellMass
+/// Weights of many particles on the cells of one rank, in the layout that suits the kind of cell.
+class Weights
 {
-    std::vector<int> cell;
-    std::vector<double> mass;
+public:
+    virtual ~Weights() = default;
+
+    /// Forgets all particles.
+    virtual void clear() = 0;
+
+    /// Adds a particle whose weights are the kernel mass in each cell of this rank.
+    /// @param x          centre of the particle [m]
+    /// @param halfWidth  n, half the full window [m]
+    /// @return mass on all cells of this rank: what lies outside every rank's cells is missing from 1
+    virtual double append(const Point& x, double halfWidth) = 0;
+
+    /// Multiplies each particle's weights by a factor of its own.
+    virtual void scale(const double* factor) = 0;
+
+    /// See box_weights.hpp: [cells][fields] -> [particles][fields] and back; 1, 2, 4 or 8 fields.
+    virtual void interpolate(int fields, const double* cells, double* particles) const = 0;
+    virtual void deposit(int fields, const double* particles, double* cells) const = 0;
 };
 
 /// The cells of one rank as the mapping sees them.
@@ -38,11 +55,8 @@ public:
     /// Whether a point lies in, or on the surface of, a cell of this rank.
     virtual bool contains(const Point& x) const = 0;
 
-    /// Appends the cells of this rank that a kernel reaches with the mass that lies in each (not normalised:
-    /// what lies outside every rank's cells is missing).
-    /// @param x          centre of the particle [m]
-    /// @param halfWidth  n, half the full window [m]
-    virtual void append(const Point& x, double halfWidth, CellMass& out) const = 0;
+    /// Weights on these cells, still without particles. The cells must outlive them.
+    virtual std::unique_ptr<Weights> weights() const = 0;
 };
 
 /// Cells that are axis-aligned boxes, in any arrangement (uniform, graded, several blocks): kernel masses are exact,
@@ -58,9 +72,11 @@ public:
     int size() const override { return nCells_; }
     Box bounds() const override;
     bool contains(const Point& x) const override;
-    void append(const Point& x, double halfWidth, CellMass& out) const override;
+    std::unique_ptr<Weights> weights() const override;
 
 private:
+    class Products;
+
     struct Axis
     {
         std::vector<double> face; ///< ascending
@@ -71,6 +87,11 @@ private:
         int interval(double x) const;
     };
 
+    /// the lattice intervals of axis a that a kernel reaches; false where none
+    bool reach(int a, double x, double halfWidth, int& first, int& count) const;
+    /// appends the one-dimensional kernel masses in those intervals
+    void axisMasses(int a, double x, double halfWidth, int first, int count, std::vector<double>& out) const;
+
     int slot(int i, int j, int k) const { return (k * nSlots_[1] + j) * nSlots_[0] + i; }
 
     int nCells_;
@@ -78,6 +99,7 @@ private:
     std::array<Axis, 3> axis_;
     std::array<int, 3> nSlots_{{0, 0, 0}};
     std::vector<int> cellOf_; ///< lattice slot -> cell, -1 for a slot of another rank or a hole
+    bool full_ = false;       ///< every slot has a cell
 };
 
 /// Cells of any shape: the kernel is sampled at points of equal mass, each located in a cell.
@@ -95,9 +117,11 @@ public:
     int size() const override { return size_; }
     Box bounds() const override { return bounds_; }
     bool contains(const Point& x) const override { return locate_(x) >= 0; }
-    void append(const Point& x, double halfWidth, CellMass& out) const override;
+    std::unique_ptr<Weights> weights() const override;
 
 private:
+    class List;
+
     int size_;
     Box bounds_;
     Locate locate_;

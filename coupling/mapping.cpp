@@ -7,7 +7,7 @@ namespace hotbed
 {
 
 Mapping::Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells)
-    : communicator_(communicator), cells_(std::move(cells))
+    : communicator_(communicator), cells_(std::move(cells)), weights_(cells_->weights())
 {
     MPI_Comm_rank(communicator_, &rank_);
     MPI_Comm_size(communicator_, &ranks_);
@@ -56,19 +56,13 @@ std::vector<char> Mapping::update(const ParticlePositions& particles)
 
     const int n = receiveStart_[ranks_];
     copyPosition_.resize(n);
-    start_.resize(std::size_t(n) + 1);
-    mass_.cell.clear();
-    mass_.mass.clear();
+    weights_->clear();
     std::vector<double> found(std::size_t(n) * 2); // kernel mass on this rank; cells that hold the centre
     for (int k = 0; k < n; ++k)
     {
         Point& x = copyPosition_[k];
         std::copy_n(copy + std::size_t(k) * 4, 3, x.begin());
-        cells_->append(x, copy[std::size_t(k) * 4 + 3], mass_);
-        start_[std::size_t(k) + 1] = std::int64_t(mass_.cell.size());
-        double sum = 0.0;
-        for (std::int64_t e = start_[k]; e < start_[std::size_t(k) + 1]; ++e) sum += mass_.mass[e];
-        found[std::size_t(k) * 2] = sum;
+        found[std::size_t(k) * 2] = weights_->append(x, copy[std::size_t(k) * 4 + 3]);
         found[std::size_t(k) * 2 + 1] = cells_->contains(x) ? 1.0 : 0.0;
     }
 
@@ -81,9 +75,7 @@ std::vector<char> Mapping::update(const ParticlePositions& particles)
         inside[i] = total[std::size_t(i) * 2 + 1] > 0.0 && mass > 0.0;
         scale[i] = inside[i] ? 1.0 / mass : 0.0;
     }
-    const double* scaleOfCopy = toCopies(1, scale.data());
-    for (int k = 0; k < n; ++k)
-        for (std::int64_t e = start_[k]; e < start_[std::size_t(k) + 1]; ++e) mass_.mass[e] *= scaleOfCopy[k];
+    weights_->scale(toCopies(1, scale.data()));
     return inside;
 }
 
@@ -136,6 +128,13 @@ const double* Mapping::toHome(int fields, const double* copies)
         for (int f = 0; f < fields; ++f)
             result_[std::size_t(sendParticle_[s]) * fields + f] += sendBuffer_[s * std::size_t(fields) + f];
     return result_.data();
+}
+
+const double* Mapping::interpolate(int fields, const double* cellValues)
+{
+    partial_.resize(std::size_t(copies()) * std::size_t(fields));
+    weights_->interpolate(fields, cellValues, partial_.data());
+    return toHome(fields, partial_.data());
 }
 
 } // namespace hotbed

@@ -38,12 +38,8 @@ public:
 
     const Cells& cells() const { return *cells_; }
 
-    int particles() const { return particles_; }          ///< particles of this rank (home)
-    int copies() const { return int(start_.size()) - 1; } ///< particles with weights on this rank
-    /// Weights of copy k: entries start()[k] to start()[k+1] of cell() and weight().
-    const std::vector<std::int64_t>& start() const { return start_; }
-    const std::vector<int>& cell() const { return mass_.cell; }
-    const std::vector<double>& weight() const { return mass_.mass; }
+    int particles() const { return particles_; }             ///< particles of this rank (home)
+    int copies() const { return int(copyPosition_.size()); } ///< particles with weights on this rank
     const Point& copyPosition(int k) const { return copyPosition_[k]; }
 
     /// Values of particles to their copies. Collective.
@@ -58,14 +54,19 @@ public:
     const double* toHome(int fields, const double* copies);
 
     /// Weighted mean of cell values at the particles. Collective.
-    /// @param cellValues [cells().size()][Fields]
-    /// @return [particles()][Fields]; valid until the next call on this object
-    template <int Fields> const double* interpolate(const double* cellValues);
+    /// @param fields      values per cell: 1, 2, 4 or 8
+    /// @param cellValues  [cells().size()][fields]
+    /// @return [particles()][fields]; valid until the next call on this object
+    const double* interpolate(int fields, const double* cellValues);
 
     /// Adds weight times particle value to the cells; local.
-    /// @param copies     [copies()][Fields]
-    /// @param cellSums   [cells().size()][Fields], added to
-    template <int Fields> void deposit(const double* copies, double* cellSums) const;
+    /// @param fields    values per particle: 1, 2, 4 or 8
+    /// @param copies    [copies()][fields]
+    /// @param cellSums  [cells().size()][fields], added to
+    void deposit(int fields, const double* copies, double* cellSums) const
+    {
+        weights_->deposit(fields, copies, cellSums);
+    }
 
 private:
     void route(const ParticlePositions& particles);
@@ -75,6 +76,7 @@ private:
     MPI_Comm communicator_;
     int rank_ = 0, ranks_ = 1;
     std::unique_ptr<const Cells> cells_;
+    std::unique_ptr<Weights> weights_;
     std::vector<Box> bounds_; ///< of each rank's cells
 
     int particles_ = 0;
@@ -82,42 +84,7 @@ private:
     std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank
     std::vector<int> sendStart_, receiveStart_; ///< by rank
     std::vector<Point> copyPosition_;
-    std::vector<std::int64_t> start_{0};
-    CellMass mass_;
     std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_;
 };
-
-template <int Fields> const double* Mapping::interpolate(const double* cellValues)
-{
-    const int n = copies();
-    partial_.resize(std::size_t(n) * Fields);
-    for (int k = 0; k < n; ++k)
-    {
-        double sum[Fields] = {};
-        for (std::int64_t e = start_[k]; e < start_[k + 1]; ++e)
-        {
-            const double w = mass_.mass[e];
-            const double* value = cellValues + std::size_t(mass_.cell[e]) * Fields;
-            for (int f = 0; f < Fields; ++f) sum[f] += w * value[f];
-        }
-        for (int f = 0; f < Fields; ++f) partial_[std::size_t(k) * Fields + f] = sum[f];
-    }
-    return toHome(Fields, partial_.data());
-}
-
-template <int Fields> void Mapping::deposit(const double* copies, double* cellSums) const
-{
-    const int n = int(start_.size()) - 1;
-    for (int k = 0; k < n; ++k)
-    {
-        const double* value = copies + std::size_t(k) * Fields;
-        for (std::int64_t e = start_[k]; e < start_[k + 1]; ++e)
-        {
-            const double w = mass_.mass[e];
-            double* sum = cellSums + std::size_t(mass_.cell[e]) * Fields;
-            for (int f = 0; f < Fields; ++f) sum[f] += w * value[f];
-        }
-    }
-}
 
 } // namespace hotbed

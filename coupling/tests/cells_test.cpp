@@ -33,10 +33,18 @@ const Box unit{{{0, 0, 0}}, {{1, 1, 1}}};
 
 std::map<int, double> masses(const Cells& cells, const Point& x, double n)
 {
-    CellMass out;
-    cells.append(x, n, out);
+    const auto weights = cells.weights();
+    const double here = weights->append(x, n), one = 1.0;
+    std::vector<double> deposited(cells.size(), 0.0);
+    weights->deposit(1, &one, deposited.data());
     std::map<int, double> mass;
-    for (std::size_t e = 0; e < out.cell.size(); ++e) mass[out.cell[e]] += out.mass[e];
+    double sum = 0.0;
+    for (int c = 0; c < cells.size(); ++c)
+    {
+        sum += deposited[c];
+        if (deposited[c] > 0.0) mass[c] = deposited[c];
+    }
+    EXPECT_NEAR(here, sum, 1e-14);
     return mass;
 }
 
@@ -169,4 +177,41 @@ TEST(SampledCells, ConvergesToTheExactIntegrals)
         before = error;
     }
     EXPECT_LT(before, 0.03);
+}
+
+TEST(Weights, SeveralFieldsAtATimeGiveWhatOneDoes)
+{
+    const auto face = faces(6, 0, 1, 1);
+    const BoxCells boxes(grid(face, face, face), unit);
+    const SampledCells sampled(
+        8, unit, [](const Point& x) { return (x[0] > 0.5) + 2 * (x[1] > 0.5) + 4 * (x[2] > 0.5); }, 4);
+    for (const Cells* cells : {static_cast<const Cells*>(&boxes), static_cast<const Cells*>(&sampled)})
+    {
+        const auto weights = cells->weights();
+        const std::vector<Point> particles = {{{0.1, 0.5, 0.9}}, {{0.33, 0.4, 0.45}}, {{0.6, 0.02, 0.7}}};
+        for (const Point& x : particles) weights->append(x, 0.3);
+        const std::size_t n = particles.size(), m = std::size_t(cells->size());
+        for (const int fields : {1, 2, 4, 8})
+        {
+            const auto entry = [](std::size_t row, int f) { return std::sin(1.0 + double(row) + 100.0 * f); };
+            std::vector<double> cellValue, particleValue;
+            for (std::size_t c = 0; c < m; ++c)
+                for (int f = 0; f < fields; ++f) cellValue.push_back(entry(c, f));
+            for (std::size_t i = 0; i < n; ++i)
+                for (int f = 0; f < fields; ++f) particleValue.push_back(entry(i, f));
+            std::vector<double> read(n * fields), sum(m * fields, 0.0), one(m), readOne(n);
+            weights->interpolate(fields, cellValue.data(), read.data());
+            weights->deposit(fields, particleValue.data(), sum.data());
+            for (int f = 0; f < fields; ++f)
+            {
+                for (std::size_t c = 0; c < m; ++c) one[c] = entry(c, f);
+                weights->interpolate(1, one.data(), readOne.data());
+                for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(read[i * fields + f], readOne[i], 1e-15);
+                std::vector<double> given(n), sumOne(m, 0.0);
+                for (std::size_t i = 0; i < n; ++i) given[i] = entry(i, f);
+                weights->deposit(1, given.data(), sumOne.data());
+                for (std::size_t c = 0; c < m; ++c) EXPECT_NEAR(sum[c * fields + f], sumOne[c], 1e-15);
+            }
+        }
+    }
 }

@@ -123,9 +123,9 @@ TEST_P(MappingOnRanks, WeightsSumToOneAndValuesAreThoseOfOneRank)
     serial.update(all.view());
 
     const auto wholeField = cellField(whole), field = cellField(mine);
-    const std::vector<double> expected(serial.interpolate<2>(wholeField.data()),
-                                       serial.interpolate<2>(wholeField.data()) + 2 * all.x.size());
-    const double* got = parallel.interpolate<2>(field.data());
+    const std::vector<double> expected(serial.interpolate(2, wholeField.data()),
+                                       serial.interpolate(2, wholeField.data()) + 2 * all.x.size());
+    const double* got = parallel.interpolate(2, field.data());
     for (std::size_t i = 0; i < p.x.size(); ++i)
     {
         EXPECT_NEAR(got[2 * i], 1.0, 1e-13) << "particle " << p.id[i];
@@ -137,8 +137,8 @@ TEST_P(MappingOnRanks, WeightsSumToOneAndValuesAreThoseOfOneRank)
     for (const int id : p.id) value.push_back(1.0 + id % 13);
     for (const int id : all.id) allValue.push_back(1.0 + id % 13);
     std::vector<double> sum(mine.boxes.size(), 0.0), allSum(whole.boxes.size(), 0.0);
-    parallel.deposit<1>(parallel.toCopies(1, value.data()), sum.data());
-    serial.deposit<1>(serial.toCopies(1, allValue.data()), allSum.data());
+    parallel.deposit(1, parallel.toCopies(1, value.data()), sum.data());
+    serial.deposit(1, serial.toCopies(1, allValue.data()), allSum.data());
     for (std::size_t c = 0; c < sum.size(); ++c) EXPECT_NEAR(sum[c], allSum[std::size_t(mine.global[c])], 1e-11);
 }
 
@@ -167,7 +167,7 @@ TEST(Mapping, KernelWiderThanTheDomainStillSumsToOne)
     const double n[1] = {5.0};
     mapping.update({rank() == 0 ? 1 : 0, x, n});
     const std::vector<double> one(mine.boxes.size(), 1.0);
-    const double* got = mapping.interpolate<1>(one.data());
+    const double* got = mapping.interpolate(1, one.data());
     if (rank() == 0)
     {
         EXPECT_NEAR(got[0], 1.0, 1e-13);
