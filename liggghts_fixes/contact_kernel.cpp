@@ -109,19 +109,19 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, int 
             for (int k = 0; k < 4; ++k)
                 if (now[k] != pairs.contact[p + k]) settle(pairs, step, p + k, row[k]);
     }
-    // the last four lanes that are used are full ones; what the rest computes is not looked at
+    for (int k = 0; k < n; ++k)
+    {
+        const int pair = batch.pair[k], i = first[pair];
+        batch.i[k] = i;
+        batch.j[k] = second[pair];
+        batch.spring[k] = step.history[i] + std::size_t(step.stride) * (pair - pairs.start[i]) + step.offset;
+        __builtin_prefetch(batch.spring[k], 1);
+    }
+    // the last four lanes that are used are full ones
     for (int k = n; k % 4 != 0; ++k)
     {
         batch.between[k] = batch.between[n - 1];
         batch.pair[k] = batch.pair[n - 1];
-    }
-    for (int k = 0; k < n; ++k)
-    {
-        batch.i[k] = first[batch.pair[k]];
-        batch.j[k] = second[batch.pair[k]];
-    }
-    for (int k = n; k % 4 != 0; ++k)
-    {
         batch.i[k] = batch.i[n - 1];
         batch.j[k] = batch.j[n - 1];
     }
@@ -159,12 +159,7 @@ template <bool friction> inline void gather(Batch& batch, const ContactPairs& pa
     }
     if (!friction) return;
     for (int k = 0; k < batch.n; ++k)
-    {
-        const int i = batch.i[k];
-        double* spring = step.history[i] + std::size_t(step.stride) * (batch.pair[k] - pairs.start[i]) + step.offset;
-        batch.spring[k] = spring;
-        for (int a = 0; a < 3; ++a) batch.stretch[a][k] = spring[a];
-    }
+        for (int a = 0; a < 3; ++a) batch.stretch[a][k] = batch.spring[k][a];
 }
 
 /// All lanes, also those that are not used: a fixed number is what the compiler does best.

@@ -123,16 +123,20 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
 
     const Atom& atom = *lmp_.atom;
     const int local = atom.nlocal, all = local + atom.nghost;
+    if (local == 0) return;
     place_.resize(all + 1);
     motion_.resize(all + 1);
-    load_.assign(all + 1, Load{});
+    load_.resize(all + 1, Load{});
+    // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
+    const auto block = [](double** rows) { return reinterpret_cast<double(*)[3]>(rows[0]); };
+    const auto* x = block(atom.x);
+    const auto* v = block(atom.v);
+    const auto* w = block(atom.omega);
     for (int i = 0; i < all; ++i)
     {
-        const double* x = atom.x[i];
-        const double* v = atom.v[i];
-        const double* w = atom.omega[i];
-        place_[i] = {Row{x[0], x[1], x[2], atom.radius[i]}};
-        motion_[i] = {Row{v[0], v[1], v[2], 1.0 / atom.rmass[i]}, Row{w[0], w[1], w[2], atom.radius[i]}};
+        const double r = atom.radius[i];
+        place_[i] = {Row{x[i][0], x[i][1], x[i][2], r}};
+        motion_[i] = {Row{v[i][0], v[i][1], v[i][2], 1.0 / atom.rmass[i]}, Row{w[i][0], w[i][1], w[i][2], r}};
     }
     place_[all] = {Row{1e100, 0.0, 0.0, 0.0}};
 
@@ -152,13 +156,19 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.offset = offset_;
     contactForces(pairs_, step);
 
-    // a ghost's forces are those of its owner's rank
+    // a ghost's forces are those of its owner's rank; what is left behind is zero, for the next step
+    auto* f = block(atom.f);
+    auto* torque = block(atom.torque);
     for (int i = 0; i < local; ++i)
+    {
         for (int a = 0; a < 3; ++a)
         {
-            atom.f[i][a] += load_[i].force[a];
-            atom.torque[i][a] += load_[i].torque[a];
+            f[i][a] += load_[i].force[a];
+            torque[i][a] += load_[i].torque[a];
         }
+        load_[i] = Load{};
+    }
+    std::fill(load_.begin() + local, load_.end(), Load{});
 }
 
 } // namespace hotbed
