@@ -57,7 +57,10 @@ public:
         }
     }
 
-    void surfacesClose(SurfacesCloseData&, ForceData&, ForceData&) {}
+    void surfacesClose(SurfacesCloseData& s, ForceData&, ForceData&)
+    {
+        if (s.contact_flags) *s.contact_flags &= ~CONTACT_NORMAL_MODEL;
+    }
     void beginPass(SurfacesIntersectData&, ForceData&, ForceData&) {}
     void endPass(SurfacesIntersectData&, ForceData&, ForceData&) {}
 

@@ -3,7 +3,7 @@
 
 #include "contact_models.h"
 #include "fix_insert_stream.h"
-#include "pair_gran_base.h"
+#include "vectorised_pair.hpp"
 #include "fix_wall_gran_base.h"
 
 #include "register_contact.hpp"
@@ -14,19 +14,15 @@ namespace
 {
 
 using namespace LIGGGHTS;
-using Style =
-    ContactModels::GranStyle<ContactModels::HOTBED_NORMAL, ContactModels::HOTBED_TANGENTIAL,
-                             ContactModels::COHESION_OFF, ContactModels::ROLLING_OFF, ContactModels::SURFACE_DEFAULT>;
-using Model = ContactModels::ContactModel<Style>;
 
 PairStyles::IGranularPairStyle* makePair(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::PairGran* parent, int64_t hash)
 {
-    return new PairStyles::Granular<Model>(lmp, parent, hash);
+    return new VectorisedPair(lmp, parent, hash);
 }
 
 Walls::IGranularWall* makeWall(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::FixWallGran* parent, int64_t hash)
 {
-    return new Walls::Granular<Model>(lmp, parent, hash);
+    return new Walls::Granular<ContactModel>(lmp, parent, hash);
 }
 
 } // namespace
@@ -38,8 +34,8 @@ void registerContact()
     done = true;
     ContactModels::Factory::instance().addNormalModel("hotbed", ContactModels::HOTBED_NORMAL);
     ContactModels::Factory::instance().addTangentialModel("hotbed", ContactModels::HOTBED_TANGENTIAL);
-    PairStyles::Factory::instance().addStyle("gran", Style::HASHCODE, &makePair);
-    Walls::Factory::instance().addStyle("gran", Style::HASHCODE, &makeWall);
+    PairStyles::Factory::instance().addStyle("gran", ContactStyle::HASHCODE, &makePair);
+    Walls::Factory::instance().addStyle("gran", ContactStyle::HASHCODE, &makeWall);
 }
 
 } // namespace hotbed

@@ -25,6 +25,7 @@ public:
     {
         hsetup->add_history_value("sheary", "1");
         hsetup->add_history_value("shearz", "1");
+        c->add_history_offset("hotbed_spring", offset_);
     }
 
     void registerSettings(Settings&) {}

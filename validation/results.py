@@ -62,14 +62,14 @@ def timing(run):
 class Figures:
     """Collects figures `name value bound PASS|FAIL`, prints each, writes results/NAME.json at the end."""
 
-    def __init__(self, name, folder=Path("results")):
-        self.name, self.folder, self.rows, self.begin = name, Path(folder), [], time.time()
+    def __init__(self, name, folder=Path("results"), verb="validate"):
+        self.name, self.folder, self.verb, self.rows, self.begin = name, Path(folder), verb, [], time.time()
 
-    def add(self, name, value, bound, text=None):
-        """A figure that must not exceed its bound (nan fails)."""
-        passed = bool(value <= bound)
+    def add(self, name, value, bound, text=None, least=False):
+        """A figure that must not exceed its bound, or with `least` not fall below it (nan fails)."""
+        passed = bool(value >= bound if least else value <= bound)
         self.rows.append({"name": name, "value": float(value), "bound": float(bound), "pass": passed})
-        print(f"{name:68s} {value:10.3e} {'<= %.3g' % bound:>12s} {'PASS' if passed else 'FAIL'}"
+        print(f"{name:68s} {value:10.3e} {('>= %.3g' if least else '<= %.3g') % bound:>12s} {'PASS' if passed else 'FAIL'}"
               f"{'  ' + text if text else ''}", flush=True)
 
     def note(self, name, value):
@@ -81,11 +81,12 @@ class Figures:
         """Writes the JSON; @return exit status."""
         failed = [r for r in self.rows if r.get("pass") is False]
         self.folder.mkdir(parents=True, exist_ok=True)
-        record = {"command": "./hotbed " + " ".join(["validate", self.name, *sys.argv[1:]]), "versions": versions(),
+        record = {"command": "./hotbed " + " ".join([self.verb, self.name, *sys.argv[1:]]), "versions": versions(),
                   "machine": machine(), "date": time.strftime("%Y-%m-%d"), "seconds": round(time.time() - self.begin),
                   "figures": self.rows}
         suffix = "-quick" if "--quick" in sys.argv else ""
-        path = self.folder / f"{self.name}{suffix}.json"
+        prefix = "bench_" if self.verb == "bench" else ""
+        path = self.folder / f"{prefix}{self.name}{suffix}.json"
         path.write_text(json.dumps(record, indent=1) + "\n")
         print(f"{len(self.rows) - len(failed)} figures fine, {len(failed)} failed; written to {path}")
         return 1 if failed else 0

@@ -1,0 +1,288 @@
+#include "contact_kernel.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace hotbed
+{
+namespace
+{
+
+/// Pairs of a batch: its arrays stay in the nearest cache.
+constexpr int width = 128;
+
+using Lanes = double[width];
+
+struct Batch
+{
+    int n = 0;
+    int pair[width + 4], i[width + 4], j[width + 4];
+    double* spring[width];
+    alignas(64) Row between[width + 4];
+    // x, y, z and a fourth quantity of each pair
+    alignas(64) Lanes delta[4] = {};    // sum of radii
+    alignas(64) Lanes velocity[4] = {}; // sum of inverse masses
+    alignas(64) Lanes spin_i[4] = {};   // radius
+    alignas(64) Lanes spin_j[4] = {};
+    alignas(64) Lanes normal[4] = {}; // ContactConstants
+    alignas(64) Lanes tangential[4] = {};
+    alignas(64) Lanes stretch[3] = {};
+    alignas(64) Lanes force[4]; // on i; arm of i
+    alignas(64) Lanes turn[4];  // force moment an arm; arm of j
+};
+
+inline void transpose(Row& a, Row& b, Row& c, Row& d)
+{
+    using Index = long long __attribute__((vector_size(32)));
+    const Row ab = __builtin_shuffle(a, b, Index{0, 4, 2, 6}), AB = __builtin_shuffle(a, b, Index{1, 5, 3, 7});
+    const Row cd = __builtin_shuffle(c, d, Index{0, 4, 2, 6}), CD = __builtin_shuffle(c, d, Index{1, 5, 3, 7});
+    a = __builtin_shuffle(ab, cd, Index{0, 1, 4, 5});
+    b = __builtin_shuffle(AB, CD, Index{0, 1, 4, 5});
+    c = __builtin_shuffle(ab, cd, Index{2, 3, 6, 7});
+    d = __builtin_shuffle(AB, CD, Index{2, 3, 6, 7});
+}
+
+/// Four rows into lanes k .. k + 3
+inline void put(Lanes* lanes, int k, Row a, Row b, Row c, Row d)
+{
+    transpose(a, b, c, d);
+    *reinterpret_cast<Row*>(&lanes[0][k]) = a;
+    *reinterpret_cast<Row*>(&lanes[1][k]) = b;
+    *reinterpret_cast<Row*>(&lanes[2][k]) = c;
+    *reinterpret_cast<Row*>(&lanes[3][k]) = d;
+}
+
+inline void take(const Lanes* lanes, int k, Row* row)
+{
+    for (int a = 0; a < 4; ++a) row[a] = *reinterpret_cast<const Row*>(&lanes[a][k]);
+    transpose(row[0], row[1], row[2], row[3]);
+}
+
+/// i less j, but the sum of the fourth
+inline Row less(const Row& i, const Row& j)
+{
+    return i + j * Row{-1.0, -1.0, -1.0, 1.0};
+}
+
+/// A pair whose state is not what it was: rare.
+void settle(ContactPairs& pairs, const ContactStep& step, int p, const Row& between)
+{
+    const int i = pairs.i[p], k = p - pairs.start[i];
+    const double square = between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
+    const double reach = between[3] * between[3];
+    if (square < reach)
+    {
+        step.flag[i][k] |= step.flagBits;
+        pairs.contact[p] = TOUCHING;
+    }
+    else if (square < step.parted * reach)
+    {
+        step.flag[i][k] &= ~step.flagBits;
+        for (int a = 0; a < 3; ++a) step.history[i][std::size_t(step.stride) * k + step.offset + a] = 0.0;
+        pairs.contact[p] = OPEN;
+    }
+}
+
+/// Looks through the pairs from p on until the batch is full. @return the next pair to look at
+inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, int p)
+{
+    const int* first = pairs.i.data();
+    const int* second = pairs.j.data();
+    const int count = int(pairs.i.size());
+    int n = 0;
+    for (; p < count && n <= width - 4; p += 4)
+    {
+        Row row[4], x[4];
+        for (int k = 0; k < 4; ++k)
+            x[k] = row[k] = less(step.place[first[p + k]].center, step.place[second[p + k]].center);
+        transpose(x[0], x[1], x[2], x[3]);
+        const auto touches = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3];
+        unsigned char now[4];
+        for (int k = 0; k < 4; ++k)
+        {
+            now[k] = (unsigned char)(touches[k] & 1);
+            batch.between[n] = row[k];
+            batch.pair[n] = p + k;
+            n += now[k];
+        }
+        if (std::memcmp(now, &pairs.contact[p], 4) != 0)
+            for (int k = 0; k < 4; ++k)
+                if (now[k] != pairs.contact[p + k]) settle(pairs, step, p + k, row[k]);
+    }
+    for (int k = 0; k < n; ++k)
+    {
+        const int pair = batch.pair[k], i = first[pair];
+        batch.i[k] = i;
+        batch.j[k] = second[pair];
+        batch.spring[k] = step.history[i] + std::size_t(step.stride) * (pair - pairs.start[i]) + step.offset;
+        __builtin_prefetch(batch.spring[k], 1);
+    }
+    // the last four lanes that are used are full ones
+    for (int k = n; k % 4 != 0; ++k)
+    {
+        batch.between[k] = batch.between[n - 1];
+        batch.pair[k] = batch.pair[n - 1];
+        batch.i[k] = batch.i[n - 1];
+        batch.j[k] = batch.j[n - 1];
+    }
+    batch.n = n;
+    return p;
+}
+
+template <bool friction> inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& step)
+{
+    for (int k = 0; k < batch.n; k += 4)
+    {
+        const Row* between = &batch.between[k];
+        put(batch.delta, k, between[0], between[1], between[2], between[3]);
+        const Motion* i[4];
+        const Motion* j[4];
+        for (int a = 0; a < 4; ++a)
+        {
+            i[a] = &step.motion[batch.i[k + a]];
+            j[a] = &step.motion[batch.j[k + a]];
+        }
+        put(batch.velocity, k, less(i[0]->velocity, j[0]->velocity), less(i[1]->velocity, j[1]->velocity),
+            less(i[2]->velocity, j[2]->velocity), less(i[3]->velocity, j[3]->velocity));
+        if (friction)
+        {
+            put(batch.spin_i, k, i[0]->spin, i[1]->spin, i[2]->spin, i[3]->spin);
+            put(batch.spin_j, k, j[0]->spin, j[1]->spin, j[2]->spin, j[3]->spin);
+        }
+        if (!step.oneConstants)
+        {
+            const ContactConstants* c[4];
+            for (int a = 0; a < 4; ++a) c[a] = &step.constants[pairs.types[batch.pair[k + a]]];
+            put(batch.normal, k, c[0]->normal, c[1]->normal, c[2]->normal, c[3]->normal);
+            put(batch.tangential, k, c[0]->tangential, c[1]->tangential, c[2]->tangential, c[3]->tangential);
+        }
+    }
+    if (!friction) return;
+    for (int k = 0; k < batch.n; ++k)
+        for (int a = 0; a < 3; ++a) batch.stretch[a][k] = batch.spring[k][a];
+}
+
+/// All lanes, also those that are not used: a fixed number is what the compiler does best.
+template <bool friction> inline void law(Batch& b, double timestep)
+{
+    for (int k = 0; k < width; ++k)
+    {
+        const double dx = b.delta[0][k], dy = b.delta[1][k], dz = b.delta[2][k];
+        const double vx = b.velocity[0][k], vy = b.velocity[1][k], vz = b.velocity[2][k];
+        const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
+        const double inverse = 1.0 / r;
+        const double ex = dx * inverse, ey = dy * inverse, ez = dz * inverse;
+        const double overlap = b.delta[3][k] - r;
+        const double root = 1.0 / std::sqrt(b.velocity[3][k]); // of the effective mass
+        const double vn = vx * ex + vy * ey + vz * ez;
+        const double fn = b.normal[0][k] * overlap - (b.normal[1][k] + b.normal[2][k] * root) * vn;
+        if (!friction)
+        {
+            b.force[0][k] = fn * ex;
+            b.force[1][k] = fn * ey;
+            b.force[2][k] = fn * ez;
+            continue;
+        }
+        const double ai = b.spin_i[3][k] - 0.5 * overlap, aj = b.spin_j[3][k] - 0.5 * overlap;
+        const double wx = ai * b.spin_i[0][k] + aj * b.spin_j[0][k];
+        const double wy = ai * b.spin_i[1][k] + aj * b.spin_j[1][k];
+        const double wz = ai * b.spin_i[2][k] + aj * b.spin_j[2][k];
+        const double ux = vx - vn * ex - (ez * wy - ey * wz);
+        const double uy = vy - vn * ey - (ex * wz - ez * wx);
+        const double uz = vz - vn * ez - (ey * wx - ex * wy);
+
+        // the spring, turned with the contact plane, keeping its length
+        double sx = b.stretch[0][k], sy = b.stretch[1][k], sz = b.stretch[2][k];
+        const double before = sx * sx + sy * sy + sz * sz;
+        const double out = sx * ex + sy * ey + sz * ez;
+        sx -= out * ex;
+        sy -= out * ey;
+        sz -= out * ez;
+        const double after = sx * sx + sy * sy + sz * sz;
+        const double scale = after > 0.0 ? std::sqrt(before / after) : 0.0;
+        sx = scale * sx + ux * timestep;
+        sy = scale * sy + uy * timestep;
+        sz = scale * sz + uz * timestep;
+
+        const double kt = b.tangential[0][k], invKt = b.tangential[3][k];
+        const double damping = b.tangential[1][k] + b.tangential[2][k] * root;
+        double tx = -kt * sx - damping * ux, ty = -kt * sy - damping * uy, tz = -kt * sz - damping * uz;
+        const double square = tx * tx + ty * ty + tz * tz;
+        const double limit = b.normal[3][k] * std::fabs(fn);
+        const bool slides = square > limit * limit;
+        const double ratio = slides ? limit / std::sqrt(square) : 1.0;
+        tx *= ratio;
+        ty *= ratio;
+        tz *= ratio;
+        const bool shortened = slides & (invKt > 0.0);
+        b.stretch[0][k] = shortened ? -(tx + damping * ux) * invKt : sx;
+        b.stretch[1][k] = shortened ? -(ty + damping * uy) * invKt : sy;
+        b.stretch[2][k] = shortened ? -(tz + damping * uz) * invKt : sz;
+
+        b.force[0][k] = fn * ex + tx;
+        b.force[1][k] = fn * ey + ty;
+        b.force[2][k] = fn * ez + tz;
+        b.force[3][k] = ai;
+        b.turn[0][k] = ey * tz - ez * ty;
+        b.turn[1][k] = ez * tx - ex * tz;
+        b.turn[2][k] = ex * ty - ey * tx;
+        b.turn[3][k] = aj;
+    }
+}
+
+template <bool friction> inline void scatter(const Batch& batch, Load* load)
+{
+    for (int k = 0; k < batch.n; k += 4)
+    {
+        Row force[4], turn[4];
+        take(batch.force, k, force);
+        if (friction) take(batch.turn, k, turn);
+        const int lanes = batch.n - k < 4 ? batch.n - k : 4;
+        for (int a = 0; a < lanes; ++a)
+        {
+            Load& i = load[batch.i[k + a]];
+            Load& j = load[batch.j[k + a]];
+            i.force += force[a];
+            j.force -= force[a];
+            if (friction)
+            {
+                i.torque -= force[a][3] * turn[a];
+                j.torque -= turn[a][3] * turn[a];
+            }
+        }
+    }
+    if (!friction) return;
+    for (int k = 0; k < batch.n; ++k)
+        for (int a = 0; a < 3; ++a) batch.spring[k][a] = batch.stretch[a][k];
+}
+
+template <bool friction> inline void run(ContactPairs& pairs, const ContactStep& step)
+{
+    Batch batch;
+    for (int k = 0; k < width; k += 4)
+    {
+        const ContactConstants& c = step.constants[0];
+        put(batch.normal, k, c.normal, c.normal, c.normal, c.normal);
+        put(batch.tangential, k, c.tangential, c.tangential, c.tangential, c.tangential);
+    }
+    for (int p = 0; p < int(pairs.i.size());)
+    {
+        p = find(batch, pairs, step, p);
+        gather<friction>(batch, pairs, step);
+        law<friction>(batch, step.timestep);
+        scatter<friction>(batch, step.load);
+    }
+}
+
+} // namespace
+
+__attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"), flatten)) void
+contactForces(ContactPairs& pairs, const ContactStep& step)
+{
+    if (step.friction)
+        run<true>(pairs, step);
+    else
+        run<false>(pairs, step);
+}
+
+} // namespace hotbed

@@ -1,0 +1,174 @@
+#include "contact_models.h"
+#include "fix_insert_stream.h"
+#include "vectorised_pair.hpp"
+
+#include "contact_constants.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+
+namespace hotbed
+{
+namespace
+{
+
+constexpr int flagBits =
+    LIGGGHTS::ContactModels::CONTACT_NORMAL_MODEL | LIGGGHTS::ContactModels::CONTACT_TANGENTIAL_MODEL;
+
+} // namespace
+
+VectorisedPair::VectorisedPair(LAMMPS* lmp, PairGran* parent, int64_t hash)
+    : PlainPair(lmp, parent, hash), lmp_(*lmp), offset_(get_history_offset("hotbed_spring"))
+{
+}
+
+void VectorisedPair::settings(int narg, char** arg, LIGGGHTS::IContactHistorySetup* setup)
+{
+    Settings own(&lmp_);
+    own.registerOnOff("vectorised", enabled_, true);
+    std::vector<char*> others;
+    for (int a = 0; a < narg; ++a)
+    {
+        if (std::strcmp(arg[a], "vectorised") != 0 || a + 1 == narg)
+            others.push_back(arg[a]);
+        else if (!own.parseArguments(2, &arg[a++]))
+            lmp_.error->all(FLERR, own.error_message.c_str());
+    }
+    PlainPair::settings(int(others.size()), others.data(), setup);
+}
+
+void VectorisedPair::init_granular()
+{
+    PlainPair::init_granular();
+    stale_ = true;
+
+    // what the plain loop looks up in other fixes, contact by contact
+    Modify& modify = *lmp_.modify;
+    special_ = modify.n_fixes_style_strict("freeze") > 0 || modify.n_fixes_style("insert/stream/predefined") > 0 ||
+               modify.n_fixes_style("rigid") > 0;
+
+    const int types = lmp_.atom->ntypes;
+    const auto matrix = [&](const char* name)
+    { return lmp_.force->registry.getMatrixProperty(name, "pair_style gran model hotbed")->data; };
+    double** kn = matrix("hotbed_kn");
+    double** kt = matrix("hotbed_kt");
+    double** dn = matrix("hotbed_dn");
+    double** dt = matrix("hotbed_dt");
+    double** etan = matrix("hotbed_etan");
+    double** etat = matrix("hotbed_etat");
+    double** mu = matrix("hotbed_friction");
+    constants_.clear();
+    friction_ = false;
+    for (int i = 1; i <= types; ++i)
+        for (int j = 1; j <= types; ++j)
+        {
+            const double softness = kt[i][j] > 0.0 ? 1.0 / kt[i][j] : 0.0;
+            constants_.push_back(ContactConstants{Row{kn[i][j], etan[i][j], dn[i][j], mu[i][j]},
+                                                  Row{kt[i][j], etat[i][j], dt[i][j], softness}});
+            friction_ |= mu[i][j] > 0.0;
+        }
+}
+
+bool VectorisedPair::forcesOnly(PairGran& pair, int eflag, int vflag, int addflag) const
+{
+    return !eflag && !vflag && !addflag && pair.computeflag() && pair.shearupdate() && !pair.storeContactForces() &&
+           !pair.storeContactForcesStress() && !pair.storeSumDelta() && !pair.store_sum_normal_force();
+}
+
+void VectorisedPair::takeList(const PairGran& pair)
+{
+    const NeighList& list = *pair.list;
+    int** flag = pair.listgranhistory->firstneigh;
+    const int* type = lmp_.atom->type;
+    const int types = lmp_.atom->ntypes;
+    const int all = lmp_.atom->nlocal + lmp_.atom->nghost;
+    std::size_t count = 0;
+    for (int n = 0; n < list.inum; ++n) count += list.numneigh[list.ilist[n]];
+    const std::size_t filled = (count + 3) / 4 * 4;
+    pairs_.start.resize(all + 1);
+    pairs_.i.assign(filled, all); // the particle behind the last one is nowhere
+    pairs_.j.assign(filled, all);
+    pairs_.contact.assign(filled, OPEN);
+    pairs_.types.assign(filled, 0);
+    int p = 0;
+    for (int n = 0; n < list.inum; ++n)
+    {
+        const int i = list.ilist[n];
+        pairs_.start[i] = p;
+        for (int k = 0; k < list.numneigh[i]; ++k, ++p)
+        {
+            const int j = list.firstneigh[i][k] & NEIGHMASK;
+            const int bits = flag[i][k] & flagBits;
+            pairs_.i[p] = i;
+            pairs_.j[p] = j;
+            pairs_.contact[p] = bits == 0 ? OPEN : bits == flagBits ? TOUCHING : UNSETTLED;
+            pairs_.types[p] = (unsigned short)((type[i] - 1) * types + type[j] - 1);
+        }
+    }
+    stale_ = false;
+}
+
+void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int addflag)
+{
+    if (!enabled_ || special_ || !forcesOnly(*pair, eflag, vflag, addflag))
+    {
+        stale_ = true; // the flags change without our knowing
+        PlainPair::compute_force(pair, eflag, vflag, addflag);
+        return;
+    }
+    pair->evflag = pair->vflag_fdotr = 0;
+    if (stale_ || lmp_.neighbor->ago == 0) takeList(*pair);
+
+    const Atom& atom = *lmp_.atom;
+    const int local = atom.nlocal, all = local + atom.nghost;
+    if (local == 0) return;
+    place_.resize(all + 1);
+    motion_.resize(all + 1);
+    load_.resize(all + 1, Load{});
+    // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
+    const auto block = [](double** rows) { return reinterpret_cast<double(*)[3]>(rows[0]); };
+    const auto* x = block(atom.x);
+    const auto* v = block(atom.v);
+    const auto* w = block(atom.omega);
+    for (int i = 0; i < all; ++i)
+    {
+        const double r = atom.radius[i];
+        place_[i] = {Row{x[i][0], x[i][1], x[i][2], r}};
+        motion_[i] = {Row{v[i][0], v[i][1], v[i][2], 1.0 / atom.rmass[i]}, Row{w[i][0], w[i][1], w[i][2], r}};
+    }
+    place_[all] = {Row{1e100, 0.0, 0.0, 0.0}};
+
+    ContactStep step;
+    step.place = place_.data();
+    step.motion = motion_.data();
+    step.load = load_.data();
+    step.constants = constants_.data();
+    step.oneConstants = constants_.size() == 1;
+    step.friction = friction_;
+    step.timestep = lmp_.update->dt;
+    step.parted = lmp_.neighbor->contactDistanceFactor * lmp_.neighbor->contactDistanceFactor;
+    step.flag = pair->listgranhistory->firstneigh;
+    step.history = pair->listgranhistory->firstdouble;
+    step.flagBits = flagBits;
+    step.stride = pair->dnum();
+    step.offset = offset_;
+    contactForces(pairs_, step);
+
+    // a ghost's forces are those of its owner's rank; what is left behind is zero, for the next step
+    auto* f = block(atom.f);
+    auto* torque = block(atom.torque);
+    for (int i = 0; i < local; ++i)
+    {
+        for (int a = 0; a < 3; ++a)
+        {
+            f[i][a] += load_[i].force[a];
+            torque[i][a] += load_[i].torque[a];
+        }
+        load_[i] = Load{};
+    }
+    std::fill(load_.begin() + local, load_.end(), Load{});
+}
+
+} // namespace hotbed

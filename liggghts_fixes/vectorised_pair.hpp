@@ -1,0 +1,51 @@
+#pragma once
+
+/// The contact law `hotbed` of pairs of particles. Include after what pair_gran_base.h wants to be included before it.
+
+#include "contact_kernel.hpp"
+
+#include "pair_gran_base.h"
+
+#include <vector>
+
+namespace hotbed
+{
+
+using ContactStyle =
+    LIGGGHTS::ContactModels::GranStyle<LIGGGHTS::ContactModels::HOTBED_NORMAL,
+                                       LIGGGHTS::ContactModels::HOTBED_TANGENTIAL,
+                                       LIGGGHTS::ContactModels::COHESION_OFF, LIGGGHTS::ContactModels::ROLLING_OFF,
+                                       LIGGGHTS::ContactModels::SURFACE_DEFAULT>;
+using ContactModel = LIGGGHTS::ContactModels::ContactModel<ContactStyle>;
+using PlainPair = LIGGGHTS::PairStyles::Granular<ContactModel>;
+
+/// LIGGGHTS' own loop over the contact models (PlainPair), and beside it a loop of ours that computes forces and
+/// torques alone, many pairs at a time. Neighbour lists, contact flags and history are LIGGGHTS'; both loops leave the
+/// same in them, so a step takes the plain one wherever more than forces is asked for.
+class VectorisedPair : public PlainPair
+{
+public:
+    VectorisedPair(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::PairGran* parent, int64_t hash);
+
+    void settings(int narg, char** arg, LIGGGHTS::IContactHistorySetup* setup) override;
+    void init_granular() override;
+    void compute_force(LAMMPS_NS::PairGran* pair, int eflag, int vflag, int addflag) override;
+
+private:
+    bool forcesOnly(LAMMPS_NS::PairGran& pair, int eflag, int vflag, int addflag) const;
+    void takeList(const LAMMPS_NS::PairGran& pair);
+
+    LAMMPS_NS::LAMMPS& lmp_;
+    const int offset_; ///< of the spring in a pair's history
+    bool enabled_ = true;
+    bool special_ = false; ///< fixes have a say in each contact
+    bool friction_ = true;
+    bool stale_ = true; ///< pairs_ is not the present neighbour list
+    std::vector<ContactConstants> constants_;
+    ContactPairs pairs_;
+    std::vector<Place> place_;
+    std::vector<Motion> motion_;
+    std::vector<Load> load_;
+};
+
+} // namespace hotbed
