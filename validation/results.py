@@ -59,6 +59,11 @@ def timing(run):
     return table
 
 
+def wall_time(run):
+    """Seconds from the start of the solver to its end, from the table that closes the log."""
+    return float(re.search(r"(?m)^    whole run\s+([\d.]+)", (Path(run) / "log.hotbedFoam").read_text())[1])
+
+
 class Figures:
     """Collects figures `name value bound PASS|FAIL`, prints each, writes results/NAME.json at the end."""
 

@@ -1,0 +1,47 @@
+"""Long runs that a session of work need not hold: each goes on from its last restart where it was stopped."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+import run as hotbed
+
+
+def name(settings):
+    """Folder of a run: its settings but for end and write interval."""
+    return ",".join(f"{k}={v}" for k, v in settings.items() if k not in ("endTime", "writeInterval"))
+
+
+def reached(folder):
+    """Simulated time of the last restart [s], 0 without one."""
+    return max((float(state.parent.name) for state in Path(folder).glob("restart/*/state")), default=0.0)
+
+
+def run_all(case, folder, runs, at_once=2, ranks=1):
+    """Runs cases with each of the settings in `runs`, `at_once` at a time, as far as they are not done yet.
+
+    @return folders of the runs
+    """
+    def one(settings):
+        target = Path(folder) / name(settings)
+        if reached(target) >= float(settings["endTime"]) * (1 - 1e-6):
+            return target
+        if reached(target) > 0:
+            hotbed.resume(target, settings, ranks)
+        else:
+            hotbed.prepare(case, target, settings, ranks=ranks, overwrite=True)
+        hotbed.run_case(target, ranks)
+        return target
+
+    with ThreadPoolExecutor(at_once) as pool:
+        return list(pool.map(one, runs))
+
+
+def mean(bed, column, start, end, blocks=5):
+    """Mean of a column of bed.csv over time, and its standard error from the means of blocks of time."""
+    edges = np.linspace(start, end, blocks + 1)
+    time = bed["time_s"]
+    values = [np.trapz(bed[column][inside], time[inside]) / np.ptp(time[inside])
+              for inside in ((time >= a) & (time <= b) for a, b in zip(edges, edges[1:]))]
+    return np.mean(values), np.std(values, ddof=1) / np.sqrt(blocks)
