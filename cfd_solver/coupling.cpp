@@ -238,7 +238,8 @@ void Coupling::closures()
             const double slip[3] = {g[1] - v[i][0], g[2] - v[i][1], g[3] - v[i][2]};
             const double speed = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
             const double reynolds = voidage * rho * speed * d / mu;
-            const double B = settings_.drag ? dragCoefficient(beetstra(voidage, reynolds), mu, voidage, d, l) : 0.0;
+            const double B =
+                settings_.drag ? dragCoefficient(settings_.drag(voidage, reynolds), mu, voidage, d, l) : 0.0;
             dragOn(i, B, exchange);
             if (!heat_) continue;
             const double nusselt = gunn(voidage, reynolds, mu * g[7] / g[6]);

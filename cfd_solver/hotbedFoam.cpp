@@ -105,8 +105,9 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
     Info << nl << "Hotbed " << HOTBED_VERSION << " with LIGGGHTS " << HOTBED_LIGGGHTS << " and OpenFOAM "
          << HOTBED_OPENFOAM_HEADERS << nl << "    particles         " << particles
          << " coarse, ratio l = " << dem.ratio() << ", stand for " << particles * std::pow(dem.ratio(), 3) << nl
-         << "    drag              " << (settings.drag ? "Beetstra" : "left out") << nl << "    heat transfer     "
-         << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl << "    particle motion   "
+         << "    drag              " << (settings.drag ? settings.dragName : word("left out")) << nl
+         << "    heat transfer     " << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl
+         << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
          << nl << endl;
 }

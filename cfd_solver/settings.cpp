@@ -1,5 +1,7 @@
 #include "settings.hpp"
 
+#include "closures.hpp"
+
 #include "IFstream.H"
 #include "OSspecific.H"
 #include "OStringStream.H"
@@ -73,7 +75,9 @@ CouplingSettings::CouplingSettings(const Time& runTime)
                                          << exit(FatalIOError);
 
     demScript = dict.get<fileName>("demScript");
-    drag = choice(dict, "drag", words({"Beetstra", "none"})) != "none";
+    const HashTable<DragLaw> drags({{"Beetstra", beetstra}, {"ErgunWenYu", ergunWenYu}, {"none", nullptr}});
+    dragName = choice(dict, "drag", drags.sortedToc());
+    drag = drags[dragName];
     heatTransfer = choice(dict, "heatTransfer", words({"Gunn", "none"})) != "none";
     choice(dict, "kernel", words({"Deen"}));
     if (dict.found("kernelWidth") && dict.found("windowLength"))

@@ -14,13 +14,16 @@ namespace hotbed
 /// @return every single-valued entry, in file order; empty without the file
 std::vector<std::pair<std::string, std::string>> readSettings(const Foam::Time& runTime);
 
+using DragLaw = double (*)(double voidage, double reynolds);
+
 /// constant/couplingProperties, checked whole before anything is computed.
 struct CouplingSettings
 {
     explicit CouplingSettings(const Foam::Time& runTime);
 
     Foam::fileName demScript;        ///< path from the case
-    bool drag = true;                ///< Beetstra, or none
+    Foam::word dragName;             ///< Beetstra, ErgunWenYu or none
+    DragLaw drag = nullptr;          ///< beta of voidage and Reynolds number, see closures.hpp; null for none
     bool heatTransfer = true;        ///< Gunn, or none
     Foam::scalar kernelWidth = 3;    ///< full window over the coarse diameter; 0 where windowLength is given
     Foam::scalar windowLength = 0;   ///< full window [m], the same for every particle; 0 where kernelWidth is given

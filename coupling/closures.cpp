@@ -19,6 +19,13 @@ double beetstra(double voidage, double reynolds)
     return creeping + 0.413 / (24.0 * voidage * voidage) * top / bottom;
 }
 
+double ergunWenYu(double voidage, double reynolds)
+{
+    if (voidage < 0.8) return (150.0 * (1.0 - voidage) + 1.75 * reynolds) / (18.0 * voidage * voidage);
+    const double single = reynolds < 1000.0 ? 1.0 + 0.15 * std::pow(reynolds, 0.687) : 0.44 / 24.0 * reynolds;
+    return single * std::pow(voidage, -3.65);
+}
+
 double gunn(double voidage, double reynolds, double prandtl)
 {
     const double pr = std::cbrt(prandtl);

@@ -12,6 +12,13 @@ namespace hotbed
 /// @return beta [-]; the limit for reynolds -> 0 is finite and is what 0 returns
 double beetstra(double voidage, double reynolds);
 
+/// The same by Ergun (1952) below a voidage of 0.8 and Wen & Yu (1966) from there on, as joined by Gidaspow (1994); the
+/// force on a particle is that of the interphase coefficient K of these laws, K V / (1 - voidage).
+/// @param voidage   gas holdup, (0, 1]
+/// @param reynolds  eq 6, >= 0
+/// @return beta [-]
+double ergunWenYu(double voidage, double reynolds);
+
 /// Nusselt number of a sphere in a bed. Gunn (1978), paper eq 9; fitted for voidage 0.35 to 1 and reynolds up to 1e5.
 /// @param voidage   gas holdup, (0, 1]
 /// @param reynolds  eq 6, >= 0

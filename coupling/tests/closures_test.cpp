@@ -15,6 +15,7 @@ namespace
 double evaluate(const std::string& function, double a, double b, double c)
 {
     if (function == "beetstra") return beetstra(a, b);
+    if (function == "ergunWenYu") return ergunWenYu(a, b);
     if (function == "gunn") return gunn(a, b, c);
     if (function == "effectiveConductivity") return effectiveConductivity(a);
     if (function == "dashpot") return dashpot(a, b, c);
@@ -42,7 +43,7 @@ TEST(Closures, AgreeWithFiftyDigitArithmetic)
         EXPECT_NEAR(evaluate(function, std::stod(a), std::stod(b), std::stod(c)), expected, 1e-13 * std::abs(expected))
             << line;
     }
-    EXPECT_EQ(rows, 347);
+    EXPECT_EQ(rows, 395);
 }
 
 TEST(Closures, TableTwoOfThePaper)

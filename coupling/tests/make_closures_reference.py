@@ -20,6 +20,19 @@ def beetstra(e, re, _):
     return first + mpf("0.413") * re / (24 * e**2) * top / bottom
 
 
+def ergun_wen_yu(e, re, _):
+    """K d^2 / (18 mu e (1 - e)), K in SI units with d = mu = rho = 1, so that slip = re / e"""
+    e, u = mpf(e), mpf(re) / mpf(e)
+    if e < mpf("0.8"):
+        K = 150 * (1 - e) ** 2 / e + mpf("1.75") * (1 - e) * u
+    else:
+        re = mpf(re)
+        # Cd re / 24, which has a limit for re -> 0
+        cd_re = 24 * (1 + mpf("0.15") * re ** mpf("0.687")) if re < 1000 else mpf("0.44") * re
+        K = mpf("0.75") * cd_re / e * e * (1 - e) * e ** mpf("-2.65")
+    return K / (18 * e * (1 - e))
+
+
 def gunn(e, re, pr):
     e, re, pr = mpf(e), mpf(re), mpf(pr)
     third = pr ** (mpf(1) / 3)
@@ -48,6 +61,8 @@ for e in ("0.2", "0.35", "0.4", "0.55", "0.8", "0.99", "1"):
     rows.append(("effectiveConductivity", e, "0", "0", effective_conductivity(e, 0, 0)))
     for re in ("0", "1e-12", "1e-3", "0.5", "7", "120", "812.5", "1e5"):
         rows.append(("beetstra", e, re, "0", beetstra(e, re, 0)))
+        if e != "1":
+            rows.append(("ergunWenYu", e, re, "0", ergun_wen_yu(e, re, 0)))
         for pr in ("1e-2", "0.72", "7", "1000"):
             rows.append(("gunn", e, re, pr, gunn(e, re, pr)))
 mass = mpf(1040) * pi / 6 * mpf("5e-4") ** 3
