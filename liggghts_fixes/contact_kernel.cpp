@@ -27,8 +27,8 @@ struct Batch
     alignas(64) Lanes normal[4] = {}; // ContactConstants
     alignas(64) Lanes tangential[4] = {};
     alignas(64) Lanes stretch[3] = {};
-    alignas(64) Lanes force[4]; // on i; arm of i
-    alignas(64) Lanes turn[4];  // force moment an arm; arm of j
+    alignas(64) Lanes force[4] = {}; // on i; arm of i
+    alignas(64) Lanes turn[4] = {};  // force moment an arm; arm of j
 };
 
 inline void transpose(Row& a, Row& b, Row& c, Row& d)
@@ -162,7 +162,15 @@ template <bool friction> inline void gather(Batch& batch, const ContactPairs& pa
         for (int a = 0; a < 3; ++a) batch.stretch[a][k] = batch.spring[k][a];
 }
 
-/// All lanes, also those that are not used: a fixed number is what the compiler does best.
+constexpr double nearlyNothing = 1e-300;
+
+inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/// All lanes, also those that are not used: a fixed number is what the compiler does best. OpenFOAM stops at a division
+/// by zero, so unused lanes hold a contact, too.
 template <bool friction> inline void law(Batch& b, double timestep)
 {
     for (int k = 0; k < width; ++k)
@@ -199,7 +207,7 @@ template <bool friction> inline void law(Batch& b, double timestep)
         sy -= out * ey;
         sz -= out * ez;
         const double after = sx * sx + sy * sy + sz * sz;
-        const double scale = after > 0.0 ? std::sqrt(before / after) : 0.0;
+        const double scale = std::sqrt(before / larger(after, nearlyNothing));
         sx = scale * sx + ux * timestep;
         sy = scale * sy + uy * timestep;
         sz = scale * sz + uz * timestep;
@@ -209,15 +217,16 @@ template <bool friction> inline void law(Batch& b, double timestep)
         double tx = -kt * sx - damping * ux, ty = -kt * sy - damping * uy, tz = -kt * sz - damping * uz;
         const double square = tx * tx + ty * ty + tz * tz;
         const double limit = b.normal[3][k] * std::fabs(fn);
-        const bool slides = square > limit * limit;
-        const double ratio = slides ? limit / std::sqrt(square) : 1.0;
+        const double ratio = limit / std::sqrt(larger(square, larger(limit * limit, nearlyNothing)));
         tx *= ratio;
         ty *= ratio;
         tz *= ratio;
-        const bool shortened = slides & (invKt > 0.0);
-        b.stretch[0][k] = shortened ? -(tx + damping * ux) * invKt : sx;
-        b.stretch[1][k] = shortened ? -(ty + damping * uy) * invKt : sy;
-        b.stretch[2][k] = shortened ? -(tz + damping * uz) * invKt : sz;
+        const bool shortened = (square > limit * limit) & (invKt > 0.0);
+        const double cx = -(tx + damping * ux) * invKt, cy = -(ty + damping * uy) * invKt,
+                     cz = -(tz + damping * uz) * invKt;
+        b.stretch[0][k] = shortened ? cx : sx;
+        b.stretch[1][k] = shortened ? cy : sy;
+        b.stretch[2][k] = shortened ? cz : sz;
 
         b.force[0][k] = fn * ex + tx;
         b.force[1][k] = fn * ey + ty;
@@ -262,6 +271,9 @@ template <bool friction> inline void run(ContactPairs& pairs, const ContactStep&
     for (int k = 0; k < width; k += 4)
     {
         const ContactConstants& c = step.constants[0];
+        const Row contact{1.0, 0.0, 0.0, 1.0};
+        put(batch.delta, k, contact, contact, contact, contact);
+        put(batch.velocity, k, contact, contact, contact, contact);
         put(batch.normal, k, c.normal, c.normal, c.normal, c.normal);
         put(batch.tangential, k, c.tangential, c.tangential, c.tangential, c.tangential);
     }
