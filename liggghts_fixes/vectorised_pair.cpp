@@ -5,7 +5,6 @@
 #include "contact_constants.hpp"
 
 #include <algorithm>
-#include <cfenv>
 #include <cstring>
 
 using namespace LAMMPS_NS;
@@ -155,11 +154,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.flagBits = flagBits;
     step.stride = pair->dnum();
     step.offset = offset_;
-    // lanes that no contact uses divide by zero; a host that traps that (OpenFOAM does) must not see it
-    std::fenv_t traps;
-    std::feholdexcept(&traps);
     contactForces(pairs_, step);
-    std::fesetenv(&traps);
 
     // a ghost's forces are those of its owner's rank; what is left behind is zero, for the next step
     auto* f = block(atom.f);
