@@ -35,13 +35,13 @@ class MeshWall(SlimBedTest):
     def landed(self, name, edits, ranks=1):
         """@return particles after they have met the floor, by their places at the start"""
         target = self.scene(name, ranks, TIGHT + DUMP + LOW + edits, l="2.5", height="0.05", cellsHeight="40",
-                            endTime="0.002", writeInterval="0.002")
+                            endTime="0.003", writeInterval="0.003")
         (target / "DEM/floor.stl").write_text(FLOOR)
         code, log = self.solve(target, ranks)
         self.assertEqual(code, 0, log[-2000:])
         self.assertLess(abs(results.bed(target)["budget_error"][-1]), 1e-8)
         start = np.loadtxt(target / "DEM/post/particles0.txt", skiprows=9)
-        rows = np.loadtxt(target / "DEM/post/particles800.txt", skiprows=9)
+        rows = np.loadtxt(target / "DEM/post/particles1200.txt", skiprows=9)
         return rows[np.lexsort(np.round(start[:, 1:4] * 1e6).T), 1:]
 
     def test_same_as_on_the_primitive_wall(self):
