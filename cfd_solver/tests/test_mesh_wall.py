@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from scenes import DUMP, SlimBedTest, TIGHT  # first: it finds the modules below
+from scenes import CoupledTest, DUMP, SlimBedTest, TIGHT, edit  # first: it finds the modules below
 import results
 
 # two triangles over the column's 20 x 10 mm
@@ -52,6 +52,16 @@ class MeshWall(SlimBedTest):
             off = np.max(np.abs(self.landed(f"mesh{ranks}", MESH, ranks) - primitive) / scale)
             print(f"mesh floor, {ranks} rank(s): off by {off:.1e} from the primitive wall")
             self.assertLess(off, 1e-12)
+
+
+class FixedBed(CoupledTest):
+    def test_a_mesh_moves_no_particle(self):
+        target = self.scene()
+        (target / "DEM/floor.stl").write_text(FLOOR)
+        edit(target / "DEM/in.fixed_bed", r"^timestep.*", r"\g<0>\nfix floor all mesh/surface file DEM/floor.stl type 1 scale 0.5")
+        code, log = self.solve(target)
+        self.assertEqual(code, 0, log[-2000:])
+        self.assertIn("weights are evaluated once", log)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,190 @@
+"""Particles come and go during a coupled run, from none to none; the energy budget counts what they carry."""
+
+import re
+import shutil
+import unittest
+
+import numpy as np
+
+from scenes import SlimBedTest, run  # first: it finds the modules below
+import results
+
+C_P = {1: 779.0, 2: 450.0}
+DENSITY, DIAMETER = {1: 1040.0, 2: 2500.0}, {1: 1.25e-3, 2: 1e-3}  # of the coarse particles, l = 2.5
+T0 = 363.15
+
+HEAD = """
+units si
+atom_style granular
+boundary f f f
+newton off
+communicate single vel yes
+{processors}
+variable resume index 0
+if "${{resume}} == 1" then "read_restart ${{restart}}" "jump SELF made"
+region box block 0 ${{width}} 0 ${{depth}} {low} {high} units box
+create_box 2 box
+label made
+neighbor 1e-4 bin
+neigh_modify delay 0
+fix cg all hotbed/coarsegrain ratio ${{l}}
+fix m1 all property/global kn peratomtypepair 2 500 500 500 800
+fix m2 all property/global coefficientRestitution peratomtypepair 2 0.74 0.8 0.8 0.9
+fix m3 all property/global tangentialRestitution peratomtypepair 2 0.1 0.1 0.1 0.1
+fix m4 all property/global coefficientFriction peratomtypepair 2 0.1 0.1 0.1 0.2
+fix capacity all property/global thermalCapacity peratomtype 779 450
+fix heat all hotbed/heat initial_temperature 363.15
+fix drag all hotbed/drag
+pair_style gran model hotbed tangential hotbed
+pair_coeff * *
+fix integrate all nve/sphere
+fix one all particletemplate/sphere 15485863 atom_type 1 density constant 1040 radius constant 6.25e-4
+fix two all particletemplate/sphere 15485867 atom_type 2 density constant 2500 radius constant 5e-4
+fix both all particledistribution/discrete 32452843 2 one 0.5 two 0.5
+{insertion}
+shell mkdir DEM/post
+variable every equal round(${{writeInterval}}/${{deltaTDEM}})
+dump particles all custom ${{every}} DEM/post/particles*.txt id type x y z mass f_Temp
+dump_modify particles sort id format "%d %d %.17g %.17g %.17g %.17g %.17g"
+thermo 100
+thermo_modify lost ignore norm no
+timestep ${{deltaTDEM}}
+"""
+# shot upwards from the lower part of the column, out through its top
+REGION = """region place block 0.001 0.009 0.001 0.009 0.001 0.008 units box
+fix come all insert/rate/region seed 32452867 distributiontemplate both nparticles 60 particlerate 20000 insert_every 200 &
+    overlapcheck yes {more} vel constant 0 0 8 region place"""
+# a stream from above the mesh down through it
+STREAM = """fix face all mesh/surface/planar file DEM/face.stl type 1
+fix come all insert/stream seed 32452867 distributiontemplate both nparticles 40 particlerate 20000 &
+    overlapcheck yes vel constant 0 0 -8 insertion_face face extrude_length 0.004"""
+# once, on a floor; nothing leaves
+PACK = """region place block 0 ${width} 0 ${depth} 0 0.01 units box
+fix come all insert/pack seed 32452867 distributiontemplate both insert_every once overlapcheck yes all_in yes &
+    volumefraction_region 0.3 region place
+fix zlow all wall/gran model hotbed tangential hotbed primitive type 1 zplane 0"""
+FACE = """solid face
+facet normal 0 0 1
+outer loop
+vertex 0.002 0.002 0.0225
+vertex 0.008 0.002 0.0225
+vertex 0.008 0.008 0.0225
+endloop
+endfacet
+facet normal 0 0 1
+outer loop
+vertex 0.002 0.002 0.0225
+vertex 0.008 0.008 0.0225
+vertex 0.002 0.008 0.0225
+endloop
+endfacet
+endsolid face
+"""
+ACCOUNTED = 1e-8
+
+
+class InAndOut(SlimBedTest):
+    def prepared(self, name, insertion, ranks=1, low=0, high="${height}", processors="", split="1 1 $numberOfSubdomains",
+                 endTime="0.005", writeInterval="0.001"):
+        target = self.scene(name, ranks, [("system/decomposeParDict", r"n \(.*?\)", f"n ({split})")], l="2.5", width="0.01",
+                            height="0.02", cellsWidth="8", cellsHeight="16", endTime=endTime, writeInterval=writeInterval)
+        (target / "DEM/in.bed").write_text(HEAD.format(insertion=insertion, low=low, high=high, processors=processors))
+        (target / "DEM/face.stl").write_text(FACE)
+        return target
+
+    def solved(self, target, ranks=1):
+        """@return rows of bed.csv, after the checks that hold for every run"""
+        code, log = self.solve(target, ranks)
+        self.assertEqual(code, 0, log[-2000:])
+        self.assertIn("particle motion   on", log)
+        bed = results.bed(target)
+        print(f"{target.name}: up to {bed['particles'].max():.0f} particles, {bed['particles'][-1]:.0f} at the end; carried "
+              f"{bed['carried_J'][-1]:.3g} J, not accounted for {np.abs(bed['budget_error']).max():.1e} of the exchange")
+        self.assertLess(np.abs(bed["budget_error"]).max(), ACCOUNTED)
+        return bed
+
+    def bounded(self, bed, highest=T0):
+        self.assertGreaterEqual(bed["gas_T_min_K"].min(), 293.15 - 1e-9)
+        self.assertLessEqual(bed["gas_T_max_K"].max(), highest + 1e-9)
+
+    def test_from_none_to_none(self):
+        for more, temperature in (("", T0), ("set_property Temp 400", 400.0)):
+            with self.subTest(temperature):
+                bed = self.solved(self.prepared(f"region{temperature:.0f}", REGION.format(more=more)))
+                self.bounded(bed, temperature)
+                count = bed["particles"]
+                self.assertEqual(count[-1], 0, "all must have left")
+                self.assertGreater(count.max(), 20)
+                empty = count == 0
+                for column in ("T_mean_K", "T_min_K", "T_max_K", "Nu_mean"):
+                    self.assertTrue(np.isnan(bed[column][empty]).all(), "a mean over nothing stays empty")
+                self.assertFalse(np.isnan(bed["T_mean_K"][~empty]).any())
+                # what entered is known as long as nothing has left: particles of the temperature of insertion
+                first = np.flatnonzero(~empty)[0]
+                self.assertEqual(bed["T_max_K"][first], temperature)
+                self.assertEqual(bed["T_min_K"][first], temperature)
+                # at the end only the heat that stayed in the gas is left of it
+                self.assertEqual(bed["particle_energy_J"][-1], 0.0)
+                self.assertGreater(bed["carried_J"][-1], 0.0, "they left colder than they came")
+
+    def test_what_came_in_is_the_energy_of_the_new_particles(self):
+        target = self.prepared("pack", PACK, endTime="0.001")
+        bed = self.solved(target)
+        self.bounded(bed)
+        rows = np.loadtxt(target / "DEM/post/particles400.txt", skiprows=9)
+        kinds = rows[:, 1].astype(int)
+        for kind in (1, 2):
+            mass = DENSITY[kind] * np.pi / 6 * DIAMETER[kind] ** 3
+            np.testing.assert_allclose(rows[kinds == kind, 5], mass, rtol=1e-12)
+        energy = np.sum(rows[:, 5] * np.where(kinds == 1, C_P[1], C_P[2])) * T0
+        self.assertEqual(len(rows), bed["particles"][-1])
+        self.assertLess(abs(bed["carried_J"][-1] / energy - 1), 1e-12)
+
+    def test_stream_from_outside_the_mesh_through_it(self):
+        for ranks in (1, 2):
+            target = self.prepared(f"stream{ranks}", STREAM, ranks, low=-0.004, high=0.028, endTime="0.006")
+            bed = self.solved(target, ranks)
+            self.bounded(bed)
+            self.assertEqual(bed["particles"][-1], 0, "all must have left")
+            outside = 0
+            for step in (400, 800, 1200):
+                rows = np.atleast_2d(np.loadtxt(target / f"DEM/post/particles{step}.txt", skiprows=9))
+                above = rows[rows[:, 4] > 0.02 + 8 * 2.5e-5]  # not yet in the mesh at the start of the gas step
+                outside += len(above)
+                np.testing.assert_array_equal(above[:, 6], T0)
+                inside = rows[(rows[:, 4] < 0.018) & (rows[:, 4] > 0)]
+                self.assertTrue((inside[:, 6] < T0).all(), "hot particles in the mesh lose heat")
+            self.assertGreater(outside, 0)
+
+    def test_ranks_without_particles(self):
+        for split, grid in (("1 1 4", "processors 1 1 4"), ("2 2 1", "processors 2 2 1")):
+            bed = self.solved(self.prepared(f"ranks{grid[-5]}", REGION.format(more=""), 4, processors=grid, split=split,
+                                            endTime="0.003"), 4)
+            self.bounded(bed)
+
+    def test_goes_on_from_a_restart(self):
+        whole = self.prepared("whole", REGION.format(more=""), endTime="0.004")
+        expected = self.solved(whole)
+        for ranks in (1, 2):
+            target = self.folder / f"goes_on{ranks}"
+            shutil.copytree(whole, target)
+            for time in ("0.002", "0.003", "0.004"):
+                shutil.rmtree(target / time)
+                shutil.rmtree(target / "restart" / time)
+            if ranks > 1:
+                run.tool(target, "decomposePar", "-latestTime")
+            bed = self.solved(target, ranks)
+            self.assertEqual(len(bed), len(expected))
+            # LIGGGHTS puts as many and as heavy particles in as without a stop, at other random places
+            self.assertEqual(self.inserted(target), self.inserted(whole))
+            resumed = 40  # the first step after the restart, with particles inserted in it
+            self.assertEqual(bed["particles"][resumed], expected["particles"][resumed])
+            self.assertLess(abs(bed["carried_J"][resumed] / expected["carried_J"][resumed] - 1), 1e-12)
+
+    def inserted(self, target):
+        """What LIGGGHTS says of all it has inserted."""
+        return re.findall(r"a total of .*", (target / "log.liggghts").read_text())[-1]
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
