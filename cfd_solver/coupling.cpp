@@ -130,12 +130,12 @@ void Coupling::map()
         }
         inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
         reduce(widest_, maxOp<double>());
-        if (!mapped_)
+        if (!warned_ && 2.0 * widest_ > cmptMin(mesh_.bounds().span()))
         {
-            if (2.0 * widest_ > cmptMin(mesh_.bounds().span()))
-                WarningInFunction << "the kernel is " << 2.0 * widest_ << " m wide, wider than the domain "
-                                  << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
-                                  << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
+            warned_ = true;
+            WarningInFunction << "the kernel is " << 2.0 * widest_ << " m wide, wider than the domain "
+                              << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
+                              << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
         }
     }
     const auto time = timing_.measure("voidage");

@@ -60,7 +60,7 @@ private:
     const bool push_;
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
-    bool mapped_ = false;
+    bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
     std::vector<double> halfWidth_;    ///< kernel, by particle [m]

@@ -108,7 +108,7 @@ class InAndOut(SlimBedTest):
         self.assertLessEqual(bed["gas_T_max_K"].max(), highest + 1e-9)
 
     def test_from_none_to_none(self):
-        for more, temperature in (("", T0), ("set_property Temp 400", 400.0)):
+        for more, temperature in (("start 45", T0), ("start 45 set_property Temp 400", 400.0)):
             with self.subTest(temperature):
                 bed = self.solved(self.prepared(f"region{temperature:.0f}", REGION.format(more=more)))
                 self.bounded(bed, temperature)
@@ -116,6 +116,7 @@ class InAndOut(SlimBedTest):
                 self.assertEqual(count[-1], 0, "all must have left")
                 self.assertGreater(count.max(), 20)
                 empty = count == 0
+                self.assertEqual(list(empty[:5]), [True] * 4 + [False], "the first come in the fifth gas step")
                 for column in ("T_mean_K", "T_min_K", "T_max_K", "Nu_mean"):
                     self.assertTrue(np.isnan(bed[column][empty]).all(), "a mean over nothing stays empty")
                 self.assertFalse(np.isnan(bed["T_mean_K"][~empty]).any())
@@ -123,7 +124,7 @@ class InAndOut(SlimBedTest):
                 first = np.flatnonzero(~empty)[0]
                 self.assertEqual(bed["T_max_K"][first], temperature)
                 self.assertEqual(bed["T_min_K"][first], temperature)
-                # at the end only the heat that stayed in the gas is left of it
+                # at the end only the heat that they gave to the gas is left
                 self.assertEqual(bed["particle_energy_J"][-1], 0.0)
                 self.assertGreater(bed["carried_J"][-1], 0.0, "they left colder than they came")
 
@@ -156,34 +157,66 @@ class InAndOut(SlimBedTest):
                 self.assertTrue((inside[:, 6] < T0).all(), "hot particles in the mesh lose heat")
             self.assertGreater(outside, 0)
 
+    def test_new_particles_start_clean(self):
+        # dumped in the step of the last insertion, in places of the arrays that others have left
+        fresh = "dump fresh all custom 1001 DEM/post/fresh*.txt id f_Temp f_Nusselt " + " ".join(
+            [f"f_gasForce[{n}]" for n in range(1, 4)] + [f"f_gasStep[{n}]" for n in range(1, 8)])
+        target = self.prepared("fresh", REGION.format(more="") + f"\n{fresh}\ndump_modify fresh sort id", endTime="0.003")
+        self.solved(target)
+        rows = np.loadtxt(target / "DEM/post/fresh1001.txt", skiprows=9)
+        self.assertLess(len(rows), 60, "some must have left before")
+        new, old = rows[rows[:, 0] > 50], rows[rows[:, 0] <= 50]
+        self.assertEqual(len(new), 10)
+        np.testing.assert_array_equal(new[:, 1:], [[T0] + [0.0] * 11] * 10)
+        self.assertTrue((old[:, 2] > 0).all() and (old[:, 12] == 2.5e-5).all())
+
     def test_ranks_without_particles(self):
         for split, grid in (("1 1 4", "processors 1 1 4"), ("2 2 1", "processors 2 2 1")):
             bed = self.solved(self.prepared(f"ranks{grid[-5]}", REGION.format(more=""), 4, processors=grid, split=split,
                                             endTime="0.003"), 4)
             self.bounded(bed)
 
+    def resumed(self, whole, name, ranks=1):
+        """@return bed.csv of a run that goes on from 0.001 s on"""
+        target = self.folder / name
+        shutil.copytree(whole, target)
+        for place in (target, target / "restart"):
+            for folder in place.iterdir():
+                if re.fullmatch(r"0\.\d+", folder.name) and folder.name != "0.001":
+                    shutil.rmtree(folder)
+        if ranks > 1:
+            run.tool(target, "decomposePar", "-latestTime")
+        return self.solved(target, ranks)
+
     def test_goes_on_from_a_restart(self):
         whole = self.prepared("whole", REGION.format(more=""), endTime="0.004")
         expected = self.solved(whole)
         for ranks in (1, 2):
-            target = self.folder / f"goes_on{ranks}"
-            shutil.copytree(whole, target)
-            for time in ("0.002", "0.003", "0.004"):
-                shutil.rmtree(target / time)
-                shutil.rmtree(target / "restart" / time)
-            if ranks > 1:
-                run.tool(target, "decomposePar", "-latestTime")
-            bed = self.solved(target, ranks)
+            bed = self.resumed(whole, f"goes_on{ranks}", ranks)
             self.assertEqual(len(bed), len(expected))
             # LIGGGHTS puts as many and as heavy particles in as without a stop, at other random places
-            self.assertEqual(self.inserted(target), self.inserted(whole))
-            resumed = 40  # the first step after the restart, with particles inserted in it
-            self.assertEqual(bed["particles"][resumed], expected["particles"][resumed])
-            self.assertLess(abs(bed["carried_J"][resumed] / expected["carried_J"][resumed] - 1), 1e-12)
+            self.assertEqual(self.inserted(self.folder / f"goes_on{ranks}"), self.inserted(whole))
+            first = 40  # step after the restart, with particles inserted in it
+            self.assertEqual(bed["particles"][first], expected["particles"][first])
+            self.assertLess(abs(bed["carried_J"][first] / expected["carried_J"][first] - 1), 1e-12)
 
     def inserted(self, target):
         """What LIGGGHTS says of all it has inserted."""
         return re.findall(r"a total of .*", (target / "log.liggghts").read_text())[-1]
+
+    def test_goes_on_with_particles_outside_the_mesh(self):
+        whole = self.prepared("whole", STREAM, low=-0.004, high=0.028, endTime="0.002")
+        self.solved(whole)
+        rows = np.loadtxt(whole / "DEM/post/particles400.txt", skiprows=9)
+        self.assertTrue((rows[:, 4] > 0.02).any())
+        self.resumed(whole, "goes_on")
+
+    def test_goes_on_from_an_empty_domain(self):
+        whole = self.prepared("whole", REGION.format(more="start 445"), endTime="0.002")
+        expected = self.solved(whole)
+        self.assertEqual(expected["particles"][39], 0)
+        bed = self.resumed(whole, "goes_on")
+        np.testing.assert_array_equal(bed["particles"], expected["particles"])
 
 
 if __name__ == "__main__":
