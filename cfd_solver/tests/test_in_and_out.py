@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from scenes import SlimBedTest, run  # first: it finds the modules below
+from scenes import SlimBedTest, edit, run  # first: it finds the modules below
 import results
 
 C_P = {1: 779.0, 2: 450.0}
@@ -19,7 +19,7 @@ atom_style granular
 boundary f f f
 newton off
 communicate single vel yes
-{processors}
+{settings}
 variable resume index 0
 if "${{resume}} == 1" then "read_restart ${{restart}}" "jump SELF made"
 region box block 0 ${{width}} 0 ${{depth}} {low} {high} units box
@@ -84,11 +84,11 @@ ACCOUNTED = 1e-8
 
 
 class InAndOut(SlimBedTest):
-    def prepared(self, name, insertion, ranks=1, low=0, high="${height}", processors="", split="1 1 $numberOfSubdomains",
+    def prepared(self, name, insertion, ranks=1, low=0, high="${height}", settings="", split="1 1 $numberOfSubdomains",
                  endTime="0.005", writeInterval="0.001"):
         target = self.scene(name, ranks, [("system/decomposeParDict", r"n \(.*?\)", f"n ({split})")], l="2.5", width="0.01",
-                            height="0.02", cellsWidth="8", cellsHeight="16", endTime=endTime, writeInterval=writeInterval)
-        (target / "DEM/in.bed").write_text(HEAD.format(insertion=insertion, low=low, high=high, processors=processors))
+                            height="0.02", cellsWidth="8", cellsHeight="16", maxDeltaT="2.5e-5", endTime=endTime, writeInterval=writeInterval)
+        (target / "DEM/in.bed").write_text(HEAD.format(insertion=insertion, low=low, high=high, settings=settings))
         (target / "DEM/face.stl").write_text(FACE)
         return target
 
@@ -101,6 +101,7 @@ class InAndOut(SlimBedTest):
         print(f"{target.name}: up to {bed['particles'].max():.0f} particles, {bed['particles'][-1]:.0f} at the end; carried "
               f"{bed['carried_J'][-1]:.3g} J, not accounted for {np.abs(bed['budget_error']).max():.1e} of the exchange")
         self.assertLess(np.abs(bed["budget_error"]).max(), ACCOUNTED)
+        self.assertLess(bed["mismatch"].max(), 1e-13)
         return bed
 
     def bounded(self, bed, highest=T0):
@@ -127,6 +128,27 @@ class InAndOut(SlimBedTest):
                 # at the end only the heat that they gave to the gas is left
                 self.assertEqual(bed["particle_energy_J"][-1], 0.0)
                 self.assertGreater(bed["carried_J"][-1], 0.0, "they left colder than they came")
+
+    def test_momentum_is_accounted_for(self):
+        # pressure and velocity solved for until they agree: what is left is not the splitting's
+        target = self.prepared("momentum", REGION.format(more=""), endTime="0.0025")
+        edit(target / "system/fvSolution", r"nOuterCorrectors +1", "nOuterCorrectors 20")
+        edit(target / "system/fvSolution", r"relTol +0\.01", "relTol 1e-6")
+        bed = self.solved(target)
+        self.assertLess((bed["particles"][1:] - bed["particles"][:-1]).min(), 0, "some must have left")
+        print(f"momentum not accounted for: {bed['momentum_error'].max():.1e} of the impulse")
+        self.assertLess(bed["momentum_error"].max(), 1e-7)
+
+    def test_removal_by_a_fix(self):
+        # everything that passes a plane in the middle of the column is deleted
+        plane = ("\nfix face all mesh/surface/planar file DEM/face.stl type 1\n"
+                 "fix out all massflow/mesh mesh face vec_side 0 0 1 count once delete_atoms yes")
+        target = self.prepared("removal", REGION.format(more="") + plane, settings="atom_modify map array")
+        (target / "DEM/face.stl").write_text(
+            FACE.replace("0.0225", "0.015").replace("0.002 ", "0 ").replace("0.008 ", "0.01 "))
+        bed = self.solved(target)
+        self.assertEqual(bed["particles"][-1], 0)
+        self.assertLess(bed["particles"].max(), 40, "without the plane there are 46 at once")
 
     def test_what_came_in_is_the_energy_of_the_new_particles(self):
         target = self.prepared("pack", PACK, endTime="0.001")
@@ -172,7 +194,7 @@ class InAndOut(SlimBedTest):
 
     def test_ranks_without_particles(self):
         for split, grid in (("1 1 4", "processors 1 1 4"), ("2 2 1", "processors 2 2 1")):
-            bed = self.solved(self.prepared(f"ranks{grid[-5]}", REGION.format(more=""), 4, processors=grid, split=split,
+            bed = self.solved(self.prepared(f"ranks{grid[-5]}", REGION.format(more=""), 4, settings=grid, split=split,
                                             endTime="0.003"), 4)
             self.bounded(bed)
 

@@ -1,4 +1,4 @@
-"""A ball bounces off a wall that is a mesh as it does off the primitive wall, and with the restitution of its own type."""
+"""Contacts have the constants of their pair of types; a wall that is a mesh is as good as a primitive one."""
 
 import os
 import subprocess
@@ -10,9 +10,10 @@ import numpy as np
 
 LIBRARY = Path(os.environ["HOTBED_BUILD"]) / "liggghts_fixes" / "libhotbed_liggghts.so"
 D, SPEED = 1e-3, 0.1  # coarse particle, l = 2
+TOLERANCE = 1e-3  # a contact ends within a step, up to eta dt / m = 0.6e-3 off here
 E_N = {1: 0.9, 2: 0.6}  # of the ball's type with the wall, type 3
 
-SCRIPT = """
+HEAD = """
 units si
 atom_style granular
 boundary f f f
@@ -23,12 +24,16 @@ create_box 3 box
 neighbor 1e-4 bin
 neigh_modify delay 0
 fix cg all hotbed/coarsegrain ratio 2
-fix m1 all property/global kn peratomtypepair 3 500 500 400  500 500 800  400 800 500
-fix m2 all property/global coefficientRestitution peratomtypepair 3 0.7 0.7 0.9  0.7 0.7 0.6  0.9 0.6 0.7
+fix m1 all property/global kn peratomtypepair 3 500 600 400  600 700 800  400 800 500
+fix m2 all property/global coefficientRestitution peratomtypepair 3 0.7 0.8 0.9  0.8 0.5 0.6  0.9 0.6 0.7
 fix m3 all property/global tangentialRestitution peratomtypepair 3 0.1 0.1 0.1  0.1 0.1 0.3  0.1 0.3 0.1
 fix m4 all property/global coefficientFriction peratomtypepair 3 0.1 0.1 0.3  0.1 0.1 0.2  0.3 0.2 0.1
 pair_style gran model hotbed tangential hotbed
 pair_coeff * *
+fix integrate all nve/sphere
+timestep 1e-8
+"""
+BALL = HEAD + """
 variable x equal 0.51*{d}
 # LIGGGHTS wants a particle of type 1
 create_atoms 1 single 0.005 0.005 0.005 units box
@@ -37,11 +42,23 @@ set group all diameter {d} density 1040
 group ball id 2
 velocity ball set {vx} {vy} 0 units box
 {wall}
-fix integrate all nve/sphere
-timestep 2.5e-8
-run 24000
-dump ball ball custom 1 ball.txt vx vy vz omegax omegay omegaz
-dump_modify ball format "%.16g %.16g %.16g %.16g %.16g %.16g"
+"""
+PAIR = HEAD + """
+create_atoms {a} single -5.1e-4 0 0 units box
+create_atoms {b} single 4.1e-4 0 0 units box
+{spectator}
+group one id 1
+group two id 2
+set group all diameter 0.8e-3 density 2500
+set group one diameter 1e-3 density 1040
+velocity one set 0.04 0 0 units box
+velocity two set -0.06 0 0 units box
+group ball union one two
+"""
+RUN = """
+run 60000
+dump ball ball custom 1 ball.txt vx vy vz omegax omegay omegaz mass
+dump_modify ball sort id format "%.16g %.16g %.16g %.16g %.16g %.16g %.16g"
 run 0
 """
 MODEL = "wall/gran model hotbed tangential hotbed"
@@ -64,17 +81,34 @@ def stl(triangles, normal):
 SQUARE = [[(0, -SIDE, -SIDE), (0, SIDE, -SIDE), (0, SIDE, SIDE)], [(0, -SIDE, -SIDE), (0, SIDE, SIDE), (0, -SIDE, SIDE)]]
 
 
-def bounce(wall, kind, angle, y=0.0, z=0.0):
-    """@return velocity and angular velocity after a bounce; `angle` from the wall's normal [degrees]"""
-    angle = np.radians(angle)
-    script = SCRIPT.format(d=D, type=kind, y=y, z=z, vx=-SPEED * np.cos(angle), vy=SPEED * np.sin(angle), wall=WALLS[wall])
+def after(script):
+    """@return velocity, angular velocity and mass of the dumped balls after the contact"""
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "in.test").write_text(script)
+        (Path(folder) / "in.test").write_text(script + RUN)
         (Path(folder) / "plane.stl").write_text(stl(SQUARE, "1 0 0"))
         done = subprocess.run(["liggghts", "-in", "in.test", "-log", "none"], cwd=folder, capture_output=True, text=True,
                               errors="replace", timeout=120, env=dict(os.environ, LD_PRELOAD=str(LIBRARY)))
         assert done.returncode == 0, done.stdout[-2000:] + done.stderr
         return np.loadtxt(Path(folder) / "ball.txt", skiprows=9)
+
+
+def bounce(wall, kind, angle, y=0.0, z=0.0):
+    """@return velocity and angular velocity after a bounce; `angle` from the wall's normal [degrees]"""
+    angle = np.radians(angle)
+    return after(BALL.format(d=D, type=kind, y=y, z=z, vx=-SPEED * np.cos(angle), vy=SPEED * np.sin(angle), wall=WALLS[wall]))[:6]
+
+
+class Pairs(unittest.TestCase):
+    def test_each_pair_of_types_has_its_restitution(self):
+        # balls of different size and density meet at 0.1 m/s
+        for a, b, expected in ((1, 1, 0.7), (1, 2, 0.8), (2, 1, 0.8), (2, 2, 0.5)):
+            spectator = "create_atoms 1 single 0.005 0.005 0.005 units box" if a == b == 2 else ""
+            one, two = after(PAIR.format(a=a, b=b, spectator=spectator))
+            restitution = (two[0] - one[0]) / 0.1
+            print(f"types {a} and {b}: restitution {restitution:.5f}, given {expected}")
+            self.assertLess(abs(restitution / expected - 1), TOLERANCE)
+            momentum = 0.04 * one[6] - 0.06 * two[6]
+            self.assertLess(abs(one[0] * one[6] + two[0] * two[6] - momentum), 1e-12 * 0.1 * one[6])
 
 
 class Walls(unittest.TestCase):
@@ -92,7 +126,7 @@ class Walls(unittest.TestCase):
             for kind, expected in E_N.items():
                 restitution = bounce(wall, kind, 0)[0] / SPEED
                 print(f"{wall}, type {kind}: restitution {restitution:.5f}, given {expected}")
-                self.assertLess(abs(restitution / expected - 1), 1e-3)
+                self.assertLess(abs(restitution / expected - 1), TOLERANCE)
 
 
 if __name__ == "__main__":
