@@ -25,7 +25,7 @@ Bed::Bed(const Time& runTime, const Coupling& coupling, const Dem& dem, const Ga
     csv_ << "time_s,particles,pressure_drop_Pa,mismatch";
     if (coupling_.heat())
         csv_ << ",T_mean_K,T_min_K,T_max_K,Nu_mean,gas_T_min_K,gas_T_max_K,gas_energy_J,particle_energy_J,inflow_J,"
-                "exchanged_J,budget_error";
+                "carried_J,exchanged_J,budget_error";
     if (coupling_.push()) csv_ << ",impulse_x_Ns,impulse_y_Ns,impulse_z_Ns,impulse_exchanged_Ns,momentum_error";
     csv_ << '\n' << std::setprecision(17);
 }
@@ -36,6 +36,7 @@ dictionary Bed::state() const
     state.add("gasEnergyAtStart", gasEnergyAtStart_);
     state.add("particleEnergyAtStart", particleEnergyAtStart_);
     state.add("inflow", inflow_);
+    state.add("carried", carried_);
     state.add("exchanged", exchanged_);
     state.add("gasMomentumAtStart", gasMomentumAtStart_);
     state.add("impulseIn", impulseIn_);
@@ -50,6 +51,7 @@ void Bed::resume(const dictionary& state)
     gasEnergyAtStart_ = state.get<scalar>("gasEnergyAtStart");
     particleEnergyAtStart_ = state.get<scalar>("particleEnergyAtStart");
     inflow_ = state.get<scalar>("inflow");
+    carried_ = state.get<scalar>("carried");
     exchanged_ = state.get<scalar>("exchanged");
     gasMomentumAtStart_ = state.get<vector>("gasMomentumAtStart");
     impulseIn_ = state.get<vector>("impulseIn");
@@ -66,6 +68,11 @@ double Bed::particleEnergy() const
     return sum;
 }
 
+void Bed::particlesWillMove()
+{
+    if (coupling_.heat() && dem_.moving()) energyBeforeMove_ = particleEnergy();
+}
+
 void Bed::record()
 {
     const label particles = returnReduce(label(dem_.size()), sumOp<label>());
@@ -76,6 +83,7 @@ void Bed::record()
     if (coupling_.heat())
     {
         double sum = 0, low = GREAT, high = -GREAT, nusselt = 0;
+        label exchanging = 0; // particles that have a Nusselt number
         for (int i = 0; i < dem_.size(); ++i)
         {
             const double T = dem_.temperature()[i];
@@ -83,22 +91,33 @@ void Bed::record()
             low = std::min(low, T);
             high = std::max(high, T);
             nusselt += dem_.nusselt()[i];
+            exchanging += dem_.nusselt()[i] > 0;
         }
         reduce(sum, sumOp<double>());
         reduce(nusselt, sumOp<double>());
+        reduce(exchanging, sumOp<label>());
         reduce(low, minOp<double>());
         reduce(high, maxOp<double>());
         gasEnergy_ = gas_.energyContent();
         particleEnergy_ = particleEnergy();
+        if (dem_.moving()) carried_ += particleEnergy_ - energyBeforeMove_;
         inflow_ += gas_.energyInflow();
         exchanged_ += coupling_.heatExchanged();
         const scalar gasLow = gMin(gas_.T().primitiveField()), gasHigh = gMax(gas_.T().primitiveField());
         const double change = gasEnergy_ - gasEnergyAtStart_ + particleEnergy_ - particleEnergyAtStart_;
-        const double error = exchanged_ > 0 ? (change - inflow_) / exchanged_ : 0.0;
+        const double error = exchanged_ > 0 ? (change - inflow_ - carried_) / exchanged_ : 0.0;
         if (csv_.is_open())
-            csv_ << ',' << sum / particles << ',' << low << ',' << high << ',' << nusselt / particles << ',' << gasLow
-                 << ',' << gasHigh << ',' << gasEnergy_ << ',' << particleEnergy_ << ',' << inflow_ << ',' << exchanged_
-                 << ',' << error;
+        {
+            // without particles there is nothing to take a mean of: the columns stay empty
+            csv_ << ',';
+            if (particles)
+                csv_ << sum / particles << ',' << low << ',' << high << ',';
+            else
+                csv_ << ",,,";
+            if (exchanging) csv_ << nusselt / exchanging;
+            csv_ << ',' << gasLow << ',' << gasHigh << ',' << gasEnergy_ << ',' << particleEnergy_ << ',' << inflow_
+                 << ',' << carried_ << ',' << exchanged_ << ',' << error;
+        }
     }
     if (coupling_.push())
     {
@@ -127,10 +146,11 @@ void Bed::report(Ostream& out) const
             << nl;
     if (!coupling_.heat()) return;
     const double gas = gasEnergy_ - gasEnergyAtStart_, particles = particleEnergy_ - particleEnergyAtStart_;
+    const double rest = gas + particles - inflow_ - carried_;
     out << "Energy budget [J]" << nl << "    gained by the gas           " << gas << nl
         << "    gained by the particles     " << particles << nl << "    came in with the gas        " << inflow_ << nl
-        << "    exchanged gas-particles     " << exchanged_ << nl << "    not accounted for           "
-        << gas + particles - inflow_ << " = " << (exchanged_ > 0 ? (gas + particles - inflow_) / exchanged_ : 0.0)
+        << "    came in with particles      " << carried_ << nl << "    exchanged gas-particles     " << exchanged_
+        << nl << "    not accounted for           " << rest << " = " << (exchanged_ > 0 ? rest / exchanged_ : 0.0)
         << " of the exchange" << nl;
 }
 

@@ -17,6 +17,9 @@ public:
     Foam::dictionary state() const;
     void resume(const Foam::dictionary& state);
 
+    /// Before the DEM steps of a gas step: what the particles' energy changes by in them came or went with particles.
+    void particlesWillMove();
+
     /// One line, after a step.
     void record();
 
@@ -35,6 +38,8 @@ private:
 
     double gasEnergyAtStart_ = 0, particleEnergyAtStart_ = 0;
     double gasEnergy_ = 0, particleEnergy_ = 0, inflow_ = 0, exchanged_ = 0; ///< [J]
+    /// [J] of the particles before the DEM steps; carried in by new ones less out by leaving ones
+    double energyBeforeMove_ = 0, carried_ = 0;
     /// [N s]: momentum of the gas at the start and now; what came in and what the particles received since; the
     /// latter's absolute values
     Foam::vector gasMomentumAtStart_ = Foam::Zero, gasMomentum_ = Foam::Zero, impulseIn_ = Foam::Zero,

@@ -91,12 +91,12 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
         [search](const Point& x) { return int(search->findCell(point(x[0], x[1], x[2]))); }, settings.kernelSamples);
 }
 
-void Coupling::refuseOutside(const std::vector<char>& inside) const
+void Coupling::refuseOutside() const
 {
     label outside = 0;
     label first = -1;
-    for (std::size_t i = 0; i < inside.size(); ++i)
-        if (!inside[i])
+    for (std::size_t i = 0; i < inside_.size(); ++i)
+        if (!inside_[i])
         {
             if (first < 0) first = label(i);
             ++outside;
@@ -130,13 +130,12 @@ void Coupling::map()
         }
         inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
         reduce(widest_, maxOp<double>());
-        if (!mapped_)
+        if (!warned_ && 2.0 * widest_ > cmptMin(mesh_.bounds().span()))
         {
-            refuseOutside(inside_);
-            if (2.0 * widest_ > cmptMin(mesh_.bounds().span()))
-                WarningInFunction << "the kernel is " << 2.0 * widest_ << " m wide, wider than the domain "
-                                  << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
-                                  << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
+            warned_ = true;
+            WarningInFunction << "the kernel is " << 2.0 * widest_ << " m wide, wider than the domain "
+                              << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
+                              << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
         }
     }
     const auto time = timing_.measure("voidage");
@@ -230,7 +229,7 @@ void Coupling::closures()
             if (!inside_[i]) // has left the mesh: exchanges nothing
             {
                 std::fill_n(exchange, 4, 0.0);
-                if (heat_) conductance_[i] = 0.0;
+                if (heat_) conductance_[i] = nusselts[i] = 0.0;
                 continue;
             }
             const double voidage = g[0], rho = g[4], mu = g[5];

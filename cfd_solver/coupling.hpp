@@ -24,6 +24,9 @@ public:
     /// Weights and voidage for where the particles are now.
     void map();
 
+    /// Ends the run with an error if particles lie outside the mesh.
+    void refuseOutside() const;
+
     /// Closures at the particles; drag and heat exchange coefficients to the gas.
     void particlesToGas();
 
@@ -47,7 +50,6 @@ private:
     void heatToGas();
     void heatToParticles();
     void momentumToParticles();
-    void refuseOutside(const std::vector<char>& inside) const;
 
     const CouplingSettings settings_;
     const Foam::fvMesh& mesh_;
@@ -58,7 +60,7 @@ private:
     const bool push_;
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
-    bool mapped_ = false;
+    bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
     std::vector<double> halfWidth_;    ///< kernel, by particle [m]

@@ -165,6 +165,7 @@ int main(int argc, char* argv[])
         Gas gas(mesh, settings.heatTransfer && dem->heat());
         Coupling coupling(settings, mesh, *dem, gas, timing);
         coupling.map();
+        if (!restart.resumed()) coupling.refuseOutside(); // on their way they may leave the mesh
         gas.initialise(restart.resumed());
         printOptions(*dem, coupling, settings);
         Bed bed(runTime, coupling, *dem, gas);
@@ -188,6 +189,7 @@ int main(int argc, char* argv[])
                 gas.advance();
             }
             coupling.gasToParticles();
+            bed.particlesWillMove();
             {
                 const auto time = timing.measure("DEM");
                 dem->advance(substeps);

@@ -92,7 +92,12 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
     instance_->coarsegrain = instance_->find<FixHotbedCoarsegrain>();
     instance_->moving = false;
     for (int i = 0; i < lmp.modify->nfix; ++i)
-        instance_->moving |= lmp.modify->fix[i]->time_integrate != 0 || lmp.modify->fix[i]->force_reneighbor != 0;
+    {
+        // insertion asks for new neighbour lists; so does a mesh, which moves no particle
+        const Fix& fix = *lmp.modify->fix[i];
+        const bool mesh = std::strncmp(fix.style, "mesh/", 5) == 0;
+        instance_->moving |= fix.time_integrate != 0 || (fix.force_reneighbor != 0 && !mesh);
+    }
 }
 
 Dem::~Dem() = default;

@@ -50,6 +50,7 @@ void VectorisedPair::init_granular()
                modify.n_fixes_style("rigid") > 0;
 
     const int types = lmp_.atom->ntypes;
+    const int used = lmp_.force->registry.max_type(); // the matrices end with the largest type in use
     const auto matrix = [&](const char* name)
     { return lmp_.force->registry.getMatrixProperty(name, "pair_style gran model hotbed")->data; };
     double** kn = matrix("hotbed_kn");
@@ -64,6 +65,11 @@ void VectorisedPair::init_granular()
     for (int i = 1; i <= types; ++i)
         for (int j = 1; j <= types; ++j)
         {
+            if (std::max(i, j) > used)
+            {
+                constants_.push_back(ContactConstants{});
+                continue;
+            }
             const double softness = kt[i][j] > 0.0 ? 1.0 / kt[i][j] : 0.0;
             constants_.push_back(ContactConstants{Row{kn[i][j], etan[i][j], dn[i][j], mu[i][j]},
                                                   Row{kt[i][j], etat[i][j], dt[i][j], softness}});

@@ -11,7 +11,15 @@ sys.path[:0] = [str(ROOT / "cfd_solver"), str(ROOT / "validation")]
 import run
 
 FIXED_BED = ROOT / "examples" / "fixed_bed"
+SLIM_BED = ROOT / "examples" / "slim_bed"
 SMALL = {"l": "2.5", "height": "0.03", "cellsHeight": "20", "endTime": "0.1", "writeInterval": "0.1"}
+
+# for the slim bed
+TIGHT = [("system/fvSolution", r"tolerance\s+1e-\d+", "tolerance 1e-12"),
+         ("system/fvSolution", r"relTol\s+\S+;", "relTol 0;\n        maxIter 60;"),
+         ("system/controlDict", r"writePrecision\s+\d+", "writePrecision 16")]
+DUMP = [("DEM/in.bed", r"^dump .*", "dump particles all custom ${every} DEM/post/particles*.txt id x y z vx vy vz f_Temp\n"
+         'dump_modify particles sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g"')]
 
 
 class CoupledTest(unittest.TestCase):
@@ -41,6 +49,21 @@ class CoupledTest(unittest.TestCase):
         process = run.start(target, ranks)
         code = process.wait(timeout=300)
         return code, (target / "log.hotbedFoam").read_text()
+
+
+class SlimBedTest(CoupledTest):
+    """A test on slim beds with moving particles."""
+
+    example = SLIM_BED
+
+    def bed(self, name, ranks=1, edits=(), **settings):
+        """@return (run folder, log) of a slim bed with l = 2.5 that ran to its end"""
+        small = {"l": "2.5", "height": "0.05", "cellsHeight": "40", "maxDeltaT": "2.5e-5",
+                 "writeInterval": settings["endTime"], **settings}
+        target = self.scene(name, ranks, edits, **small)
+        code, log = self.solve(target, ranks)
+        self.assertEqual(code, 0, log[-2000:])
+        return target, log
 
 
 def copy(source, target):

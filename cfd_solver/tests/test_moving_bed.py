@@ -4,28 +4,10 @@ import unittest
 
 import numpy as np
 
-from scenes import CoupledTest, ROOT, edit, run  # first: it finds the modules below
+from scenes import DUMP, SlimBedTest, TIGHT  # first: it finds the modules below
 import results
 
-SLIM_BED = ROOT / "examples" / "slim_bed"
-TIGHT = [("system/fvSolution", r"tolerance\s+1e-\d+", "tolerance 1e-12"),
-         ("system/fvSolution", r"relTol\s+\S+;", "relTol 0;\n        maxIter 60;"),
-         ("system/controlDict", r"writePrecision\s+\d+", "writePrecision 16")]
-DUMP = [("DEM/in.bed", r"^dump .*", "dump particles all custom ${every} DEM/post/particles*.txt id x y z vx vy vz f_Temp\n"
-         'dump_modify particles sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g"')]
-
-
-class MovingBed(CoupledTest):
-    example = SLIM_BED
-
-    def bed(self, name, ranks=1, edits=(), **settings):
-        """@return (run folder, log) of a slim bed with l = 2.5 that ran to its end"""
-        small = {"l": "2.5", "height": "0.05", "cellsHeight": "40", "maxDeltaT": "2.5e-5", "writeInterval": settings["endTime"], **settings}
-        target = self.scene(name, ranks, edits, **small)
-        code, log = self.solve(target, ranks)
-        self.assertEqual(code, 0, log[-2000:])
-        return target, log
-
+class MovingBed(SlimBedTest):
     def test_uniform_temperature_stays_uniform(self):
         same = [("0/T", r"293\.15", "363.15")]
         target, _ = self.bed("uniform", edits=TIGHT[:1] + same, endTime="0.025")

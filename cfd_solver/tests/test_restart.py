@@ -4,8 +4,7 @@ validation/validate_restart.py."""
 import shutil
 import unittest
 
-from scenes import CoupledTest, run
-from test_moving_bed import SLIM_BED
+from scenes import CoupledTest, SLIM_BED, run
 
 SMALL = {"l": "2.5", "height": "0.05", "cellsHeight": "40", "maxDeltaT": "2.5e-5", "endTime": "0.002", "writeInterval": "0.001"}
 
