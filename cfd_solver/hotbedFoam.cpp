@@ -167,7 +167,7 @@ int main(int argc, char* argv[])
         coupling.map();
         gas.initialise(restart.resumed());
         printOptions(*dem, coupling, settings);
-        Bed bed(runTime, coupling, *dem, gas);
+        Bed bed(mesh, coupling, *dem, gas, settings.bedInterval);
         if (restart.resumed()) bed.resume(restart.state());
 
         if (settings.writeRestart) restart.begin();
@@ -203,8 +203,8 @@ int main(int argc, char* argv[])
             }
             ++steps;
         }
+        bed.finish(static_cast<OSstream&>(Info));
         dem->finish();
-        bed.report(static_cast<OSstream&>(Info));
         std::ostringstream table;
         timing.print(table, MPI_COMM_WORLD, MPI_Wtime() - start, steps);
         rusage usage;
