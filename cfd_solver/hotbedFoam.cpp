@@ -109,7 +109,7 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
          << "    heat transfer     " << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl
          << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
-         << nl << endl;
+         << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
 
 } // namespace
