@@ -161,7 +161,7 @@ void Bed::line()
             csv_ << ',' << impulse_.x() << ',' << impulse_.y() << ',' << impulse_.z() << ',' << impulseExchanged_ << ','
                  << momentumError();
     }
-    if (csv_.is_open()) csv_ << '\n';
+    if (csv_.is_open()) csv_ << std::endl; // to disk: what a killed run has computed is there
 }
 
 double Bed::momentumError() const

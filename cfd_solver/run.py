@@ -245,7 +245,8 @@ def main():
         print(text[max(text.rfind("Energy budget"), text.rfind("\nTiming ") if "Energy budget" not in text else 0):]
               .replace("\nEnd\n", "").strip())
         if (case / "plot.py").is_file():
-            subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)])
+            pictures = {**os.environ, "PYTHONPATH": str(ROOT / "examples")}  # for a copied case too
+            subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)], env=pictures)
     except CaseError as problem:
         sys.exit(f"hotbed: {problem}")
 
