@@ -126,8 +126,15 @@ def tool(run, *command):
         raise CaseError(f"{command[0]} failed in {run}; the end of {log}:\n{tail(log)}")
 
 
+def ending(path):
+    """The last part of a log, which may be long."""
+    with open(path, "rb") as file:
+        file.seek(max(0, os.path.getsize(path) - 20000))
+        return file.read().decode(errors="replace")
+
+
 def tail(path, lines=25):
-    return "\n".join(Path(path).read_text(errors="replace").splitlines()[-lines:])
+    return "\n".join(ending(path).splitlines()[-lines:])
 
 
 def start(run, ranks=1, log="log.hotbedFoam"):
@@ -241,7 +248,7 @@ def main():
             raise CaseError(f"the run failed (exit status {code}); the end of {log}:\n{tail(log)}")
         finish(run, options.np)
         for_paraview(run)
-        text = log.read_text()
+        text = ending(log)
         print(text[max(text.rfind("Energy budget"), text.rfind("\nTiming ") if "Energy budget" not in text else 0):]
               .replace("\nEnd\n", "").strip())
         if (case / "plot.py").is_file():
