@@ -118,8 +118,10 @@ def configurations(runs, times, quantity):
 
 
 def pdf(axis, values, **look):
-    """Probability density, over the range that holds all but the farthest thousandth on either side."""
-    density, edges = np.histogram(values, bins=60, range=np.percentile(values, [0.1, 99.9]), density=True)
+    """Probability density, over the range that holds all but the farthest two thousandths on either side."""
+    low, high = np.percentile(values, [0.2, 99.8])
+    edge = 0.05 * (high - low)
+    density, edges = np.histogram(values, bins=80, range=(low - edge, high + edge), density=True)
     axis.plot((edges[1:] + edges[:-1]) / 2, density, **look)
 
 
