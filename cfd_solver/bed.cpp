@@ -2,16 +2,23 @@
 
 #include "OSspecific.H"
 
+#include <algorithm>
 #include <iomanip>
+#include <numeric>
 
 using namespace Foam;
 
 namespace hotbed
 {
 
-Bed::Bed(const Time& runTime, const Coupling& coupling, const Dem& dem, const Gas& gas)
-    : runTime_(runTime), coupling_(coupling), dem_(dem), gas_(gas)
+Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas& gas, int interval)
+    : runTime_(mesh.time()), coupling_(coupling), dem_(dem), gas_(gas), interval_(interval)
 {
+    const vector g = mesh.lookupObject<uniformDimensionedVectorField>("g").value();
+    up_ = mag(g) > 0 ? vector(-g / mag(g)) : vector(0, 0, 1);
+    const scalarField along(mesh.points() & up_);
+    low_ = gMin(along);
+    extent_ = gMax(along) - low_;
     if (coupling_.heat())
     {
         gasEnergyAtStart_ = gasEnergy_ = gas_.energyContent();
@@ -23,6 +30,7 @@ Bed::Bed(const Time& runTime, const Coupling& coupling, const Dem& dem, const Ga
     mkDir(folder);
     csv_.open(folder / "bed.csv");
     csv_ << "time_s,particles,pressure_drop_Pa,mismatch";
+    if (dem_.moving()) csv_ << ",z_mean_m,height_m,overlap_max";
     if (coupling_.heat())
         csv_ << ",T_mean_K,T_min_K,T_max_K,Nu_mean,gas_T_min_K,gas_T_max_K,gas_energy_J,particle_energy_J,inflow_J,"
                 "carried_J,exchanged_J,budget_error";
@@ -75,11 +83,60 @@ void Bed::particlesWillMove()
 
 void Bed::record()
 {
+    if (coupling_.heat())
+    {
+        inflow_ += gas_.energyInflow();
+        exchanged_ += coupling_.heatExchanged();
+        if (dem_.moving()) carried_ += particleEnergy() - energyBeforeMove_;
+    }
+    if (coupling_.push())
+    {
+        impulseIn_ += gas_.momentumInflow();
+        impulse_ += coupling_.impulse();
+        impulseExchanged_ += mag(coupling_.impulse());
+    }
+    mismatch_ = std::max(mismatch_, coupling_.mismatch());
+    recorded_ = runTime_.timeIndex() % interval_ == 0;
+    if (recorded_) line();
+}
+
+void Bed::heights(double& mean, double& height) const
+{
+    // particle volume by layers of the mesh's extent: each rank sums its own, all ranks add them up
+    constexpr int layers = 1000;
+    List<double> volume(layers + 1, 0.0); // the last entry: volume times height
+    for (int i = 0; i < dem_.size(); ++i)
+    {
+        const double* x = dem_.position()[i];
+        const double z = (vector(x[0], x[1], x[2]) & up_) - low_;
+        const double ball = std::pow(dem_.radius()[i], 3);
+        volume[std::clamp(int(z / extent_ * layers), 0, layers - 1)] += ball;
+        volume[layers] += ball * z;
+    }
+    Pstream::listCombineGather(volume, plusEqOp<double>());
+    if (!Pstream::master()) return;
+    const double total = std::accumulate(volume.begin(), volume.begin() + layers, 0.0);
+    mean = height = 0;
+    if (!(total > 0)) return;
+    mean = volume[layers] / total;
+    double above = 0.01 * total; // what lies above the height
+    int layer = layers - 1;
+    while (volume[layer] < above) above -= volume[layer--];
+    height = (layer + 1 - above / volume[layer]) * extent_ / layers;
+}
+
+void Bed::line()
+{
     const label particles = returnReduce(label(dem_.size()), sumOp<label>());
     const scalar pressureDrop = gas_.pressureDrop();
-    if (csv_.is_open())
-        csv_ << runTime_.value() << ',' << particles << ',' << pressureDrop << ',' << coupling_.mismatch();
-    mismatch_ = std::max(mismatch_, coupling_.mismatch());
+    if (csv_.is_open()) csv_ << runTime_.value() << ',' << particles << ',' << pressureDrop << ',' << mismatch_;
+    if (dem_.moving())
+    {
+        double mean = 0, height = 0;
+        heights(mean, height);
+        const double overlap = returnReduce(dem_.largestOverlap(), maxOp<double>());
+        if (csv_.is_open()) csv_ << ',' << mean << ',' << height << ',' << overlap;
+    }
     if (coupling_.heat())
     {
         double sum = 0, low = GREAT, high = -GREAT, nusselt = 0;
@@ -100,9 +157,6 @@ void Bed::record()
         reduce(high, maxOp<double>());
         gasEnergy_ = gas_.energyContent();
         particleEnergy_ = particleEnergy();
-        if (dem_.moving()) carried_ += particleEnergy_ - energyBeforeMove_;
-        inflow_ += gas_.energyInflow();
-        exchanged_ += coupling_.heatExchanged();
         const scalar gasLow = gMin(gas_.T().primitiveField()), gasHigh = gMax(gas_.T().primitiveField());
         const double change = gasEnergy_ - gasEnergyAtStart_ + particleEnergy_ - particleEnergyAtStart_;
         const double error = exchanged_ > 0 ? (change - inflow_ - carried_) / exchanged_ : 0.0;
@@ -122,14 +176,11 @@ void Bed::record()
     if (coupling_.push())
     {
         gasMomentum_ = gas_.momentumContent();
-        impulseIn_ += gas_.momentumInflow();
-        impulse_ += coupling_.impulse();
-        impulseExchanged_ += mag(coupling_.impulse());
         if (csv_.is_open())
             csv_ << ',' << impulse_.x() << ',' << impulse_.y() << ',' << impulse_.z() << ',' << impulseExchanged_ << ','
                  << momentumError();
     }
-    if (csv_.is_open()) csv_ << '\n';
+    if (csv_.is_open()) csv_ << std::endl; // to disk: what a killed run has computed is there
 }
 
 double Bed::momentumError() const
@@ -138,8 +189,10 @@ double Bed::momentumError() const
     return impulseExchanged_ > 0 ? error / impulseExchanged_ : 0.0;
 }
 
-void Bed::report(Ostream& out) const
+void Bed::finish(Ostream& out)
 {
+    if (!recorded_) line();
+    recorded_ = true;
     out << "Taken from one phase less given to the other, largest of all steps    " << mismatch_ << nl;
     if (coupling_.push())
         out << "Momentum budget: not accounted for " << momentumError() << " of the impulse given to the particles"

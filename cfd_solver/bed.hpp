@@ -11,7 +11,8 @@ namespace hotbed
 class Bed
 {
 public:
-    Bed(const Foam::Time& runTime, const Coupling& coupling, const Dem& dem, const Gas& gas);
+    /// @param interval  gas steps between lines
+    Bed(const Foam::fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas& gas, int interval);
 
     /// The budget so far, for a run that goes on from a restart.
     Foam::dictionary state() const;
@@ -20,20 +21,26 @@ public:
     /// Before the DEM steps of a gas step: what the particles' energy changes by in them came or went with particles.
     void particlesWillMove();
 
-    /// One line, after a step.
+    /// After a step: the budget goes on; a line where it is time for one.
     void record();
 
-    /// The closing budget.
-    void report(Foam::Ostream& out) const;
+    /// The closing budget, and the line of the last step where it is not there yet.
+    void finish(Foam::Ostream& out);
 
 private:
     double particleEnergy() const;
     double momentumError() const; ///< not accounted for, of the impulse given to the particles
+    void line();
+    void heights(double& mean, double& height) const;
 
     const Foam::Time& runTime_;
     const Coupling& coupling_;
     const Dem& dem_;
     const Gas& gas_;
+    const int interval_;
+    bool recorded_ = true;        ///< the last step has its line
+    Foam::vector up_;             ///< against gravity
+    double low_ = 0, extent_ = 0; ///< of the mesh along up_ [m]
     std::ofstream csv_;
 
     double gasEnergyAtStart_ = 0, particleEnergyAtStart_ = 0;

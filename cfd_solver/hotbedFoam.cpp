@@ -109,7 +109,7 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
          << "    heat transfer     " << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl
          << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
-         << nl << endl;
+         << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
 
 } // namespace
@@ -168,7 +168,7 @@ int main(int argc, char* argv[])
         if (!restart.resumed()) coupling.refuseOutside(); // on their way they may leave the mesh
         gas.initialise(restart.resumed());
         printOptions(*dem, coupling, settings);
-        Bed bed(runTime, coupling, *dem, gas);
+        Bed bed(mesh, coupling, *dem, gas, settings.bedInterval);
         if (restart.resumed()) bed.resume(restart.state());
 
         if (settings.writeRestart) restart.begin();
@@ -205,8 +205,8 @@ int main(int argc, char* argv[])
             }
             ++steps;
         }
+        bed.finish(static_cast<OSstream&>(Info));
         dem->finish();
-        bed.report(static_cast<OSstream&>(Info));
         std::ostringstream table;
         timing.print(table, MPI_COMM_WORLD, MPI_Wtime() - start, steps);
         rusage usage;

@@ -9,6 +9,8 @@ import sys
 import time
 from pathlib import Path
 
+import paraview
+
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = Path(os.environ.get("HOTBED_BUILD", ROOT / "build"))
 SOLVER = BUILD / "cfd_solver" / "hotbedFoam"
@@ -124,8 +126,15 @@ def tool(run, *command):
         raise CaseError(f"{command[0]} failed in {run}; the end of {log}:\n{tail(log)}")
 
 
+def ending(path):
+    """The last part of a log, which may be long."""
+    with open(path, "rb") as file:
+        file.seek(max(0, os.path.getsize(path) - 20000))
+        return file.read().decode(errors="replace")
+
+
 def tail(path, lines=25):
-    return "\n".join(Path(path).read_text(errors="replace").splitlines()[-lines:])
+    return "\n".join(ending(path).splitlines()[-lines:])
 
 
 def start(run, ranks=1, log="log.hotbedFoam"):
@@ -143,12 +152,24 @@ def finish(run, ranks=1, log="log.hotbedFoam"):
         tool(run, "reconstructPar")
 
 
+def for_paraview(run):
+    """Particles and gas as the series particles.pvd and gas.pvd."""
+    paraview.particles(run)
+    if any(re.fullmatch(r"[\d.e+-]*[1-9][\d.e+-]*", p.name) for p in Path(run).iterdir()):
+        tool(run, "foamToVTK", "-noZero", "-no-boundary", "-name", "VTK/gas", "-overwrite")
+        paraview.gas(run)
+
+
 def progress(process, run, end, log="log.hotbedFoam"):
-    """Follows a run until it ends: simulated time and remaining wall time, one line on a terminal."""
+    """Follows a run until it ends: simulated time and remaining wall time, one line on a terminal; the particles'
+    series for ParaView grows with it."""
     terminal = sys.stdout.isatty()
-    begin, first, shown = time.time(), None, 0.0
+    begin, first, shown, drawn = time.time(), None, 0.0, time.time()
     while process.poll() is None:
         time.sleep(0.25)
+        if time.time() - drawn > 15:
+            paraview.particles(run)
+            drawn = time.time()
         with open(Path(run) / log, "rb") as file:
             file.seek(max(0, os.path.getsize(file.name) - 4000))
             found = re.findall(rb"Time = (\S+)", file.read())
@@ -226,11 +247,13 @@ def main():
         if code != 0:
             raise CaseError(f"the run failed (exit status {code}); the end of {log}:\n{tail(log)}")
         finish(run, options.np)
-        text = log.read_text()
+        for_paraview(run)
+        text = ending(log)
         print(text[max(text.rfind("Energy budget"), text.rfind("\nTiming ") if "Energy budget" not in text else 0):]
               .replace("\nEnd\n", "").strip())
         if (case / "plot.py").is_file():
-            subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)])
+            pictures = {**os.environ, "PYTHONPATH": str(ROOT / "examples")}  # for a copied case too
+            subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)], env=pictures)
     except CaseError as problem:
         sys.exit(f"hotbed: {problem}")
 

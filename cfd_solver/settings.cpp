@@ -68,7 +68,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
         IOobject("couplingProperties", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false));
 
     const wordList known = words({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
-                                  "kernelSamples", "temperatureGradient", "writeRestart"});
+                                  "kernelSamples", "temperatureGradient", "writeRestart", "bedInterval"});
     for (const word& key : dict.toc())
         if (key != "FoamFile" && !known.found(key))
             FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)
@@ -97,6 +97,10 @@ CouplingSettings::CouplingSettings(const Time& runTime)
             FatalIOErrorInFunction(dict) << "kernelSamples must be from 1 to 64, not " << kernelSamples
                                          << exit(FatalIOError);
     }
+    bedInterval = dict.lookupOrDefault<label>("bedInterval", 10);
+    if (bedInterval < 1)
+        FatalIOErrorInFunction(dict) << "bedInterval must be a whole number of gas steps, at least 1, not "
+                                     << bedInterval << exit(FatalIOError);
     writeRestart = dict.lookupOrDefault<Switch>("writeRestart", true);
     temperatureGradient = dict.lookupOrDefault<Switch>("temperatureGradient", true);
 }

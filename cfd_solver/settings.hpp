@@ -28,6 +28,7 @@ struct CouplingSettings
     Foam::scalar kernelWidth = 3;    ///< full window over the coarse diameter; 0 where windowLength is given
     Foam::scalar windowLength = 0;   ///< full window [m], the same for every particle; 0 where kernelWidth is given
     int kernelSamples = 6;           ///< per axis, on meshes that are not made of boxes
+    int bedInterval = 10;            ///< gas steps between lines of bed.csv
     bool writeRestart = true;        ///< at every write time
     bool temperatureGradient = true; ///< read the gas temperature at the particle, not at its cells' centres
 };

@@ -6,6 +6,8 @@
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -219,6 +221,48 @@ double** Dem::lastGasStep() const
 const double (*Dem::force() const)[3]
 {
     return block(instance_->lmp->atom->f);
+}
+
+double Dem::largestOverlap() const
+{
+    LAMMPS& lmp = *instance_->lmp;
+    const Atom& atom = *lmp.atom;
+    const double* radius = atom.radius;
+    double largest = 0;
+    if (const auto* pair = dynamic_cast<const PairGran*>(lmp.force->pair))
+    {
+        const NeighList& list = *pair->list;
+        for (int ii = 0; ii < list.inum; ++ii)
+        {
+            const int i = list.ilist[ii];
+            const double* x = atom.x[i];
+            for (int k = 0; k < list.numneigh[i]; ++k)
+            {
+                const int j = list.firstneigh[i][k] & NEIGHMASK;
+                const double* y = atom.x[j];
+                const double dx = x[0] - y[0], dy = x[1] - y[1], dz = x[2] - y[2];
+                const double reach = radius[i] + radius[j], square = dx * dx + dy * dy + dz * dz;
+                if (square < reach * reach)
+                    largest = std::max(largest, (reach - std::sqrt(square)) / (2 * std::min(radius[i], radius[j])));
+            }
+        }
+    }
+    for (int f = 0; f < lmp.modify->nfix; ++f)
+    {
+        auto* wall = dynamic_cast<FixWallGran*>(lmp.modify->fix[f]);
+        if (!wall || wall->is_mesh_wall()) continue;
+        int* near = nullptr;
+        const int count = wall->primitiveWall()->getNeighbors(near);
+        for (int k = 0; k < count; ++k)
+        {
+            const int i = near[k];
+            if (i >= atom.nlocal || !(atom.mask[i] & wall->groupbit)) continue;
+            double normal[3];
+            const double gap = wall->primitiveWall()->resolveContact(atom.x[i], radius[i], normal);
+            largest = std::max(largest, -gap / (2 * radius[i]));
+        }
+    }
+    return largest;
 }
 
 double* Dem::temperature() const

@@ -50,6 +50,10 @@ public:
     double** lastGasStep() const;                        ///< see FixHotbedDrag::lastStep
     const double (*force() const)[3];                    ///< all forces at the end of the last DEM step [N]
 
+    /// Largest overlap of this rank's particles with each other and with primitive walls at the end of the last DEM
+    /// step, over the diameter of the smaller particle; 0 where nothing touches or there is no pair_style gran.
+    double largestOverlap() const;
+
     double* temperature() const;             ///< [K]
     double* nusselt() const;                 ///< [-]
     double heatCapacity(int particle) const; ///< m c [J/K]

@@ -18,6 +18,10 @@
 #include "output.h"
 #include "update.h"
 #include "write_restart.h"
+#include "fix_wall_gran.h"
+#include "neigh_list.h"
+#include "pair_gran.h"
+#include "primitive_wall.h"
 
 #include <cstring>
 

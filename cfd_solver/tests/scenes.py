@@ -56,8 +56,9 @@ class SlimBedTest(CoupledTest):
 
     example = SLIM_BED
 
-    def bed(self, name, ranks=1, edits=(), **settings):
-        """@return (run folder, log) of a slim bed with l = 2.5 that ran to its end"""
+    def bed(self, name, ranks=1, edits=(), interval=1, **settings):
+        """@param interval bedInterval. @return (run folder, log) of a slim bed with l = 2.5 that ran to its end"""
+        edits = [("constant/couplingProperties", r"^kernelWidth", f"bedInterval {interval};\nkernelWidth"), *edits]
         small = {"l": "2.5", "height": "0.05", "cellsHeight": "40", "maxDeltaT": "2.5e-5",
                  "writeInterval": settings["endTime"], **settings}
         target = self.scene(name, ranks, edits, **small)

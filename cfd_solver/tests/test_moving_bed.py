@@ -3,6 +3,7 @@
 import unittest
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from scenes import DUMP, SlimBedTest, TIGHT  # first: it finds the modules below
 import results
@@ -26,6 +27,35 @@ class MovingBed(SlimBedTest):
             self.assertGreaterEqual(bed["gas_T_min_K"].min(), 293.15 - 1e-9)
             self.assertLessEqual(bed["gas_T_max_K"].max(), 363.15 + 1e-9)
             self.assertIn("particle motion   on", log)
+
+    def test_heights_and_overlap(self):
+        """Columns of bed.csv against the particles themselves; lines at the interval, sums over every step."""
+        end = {"endTime": "0.00215", "writeInterval": "0.00215"}
+        every, _ = self.bed("every", edits=DUMP, **end)
+        tenth, _ = self.bed("tenth", edits=DUMP, interval=10, **end)
+        rows, few = results.bed(every), results.bed(tenth)
+        np.testing.assert_allclose(few["time_s"], [*np.arange(1, 9) * 2.5e-4, 0.00215], rtol=1e-12)
+        for name in ("z_mean_m", "overlap_max", "inflow_J", "exchanged_J", "budget_error"):
+            np.testing.assert_array_equal(few[name], rows[name][[*range(9, 80, 10), 85]], name)
+        two = results.bed(self.bed("two", 2, DUMP, 10, **end)[0])
+        for name in ("z_mean_m", "height_m", "overlap_max"):
+            np.testing.assert_allclose(two[name], few[name], rtol=0, atol=2e-6, err_msg=name)
+
+        last = np.loadtxt(every / "DEM/post/particles860.txt", skiprows=9)
+        x, d = last[:, 1:4], 2.5 * 5e-4
+        near = cKDTree(x).query_pairs(d, output_type="ndarray")
+        gap = np.r_[np.linalg.norm(x[near[:, 0]] - x[near[:, 1]], axis=1) - d, x.min() - d / 2,
+                    [size - x[:, axis].max() - d / 2 for axis, size in enumerate((0.02, 0.01, 0.05))]]
+        self.assertGreater(-gap.min(), 0, "something touches")
+        self.assertAlmostEqual(rows["overlap_max"][-1], -gap.min() / d, delta=1e-9)
+        self.assertAlmostEqual(rows["z_mean_m"][-1], x[:, 2].mean(), delta=1e-12)
+        # a layer of the histogram is a thousandth of the mesh's height
+        self.assertAlmostEqual(rows["height_m"][-1], np.quantile(x[:, 2], 0.99), delta=1.5e-4)
+
+        sideways = [("constant/g", r"\(0 0 -9\.81\)", "(9.81 0 0)"), ("DEM/in.bed", r"vector 0 0 -1", "vector 1 0 0")]
+        other, _ = self.bed("sideways", edits=DUMP + sideways, endTime="0.0001")
+        x = np.loadtxt(other / "DEM/post/particles40.txt", skiprows=9)[:, 1]
+        self.assertAlmostEqual(results.bed(other)["z_mean_m"][-1], 0.02 - x.mean(), delta=1e-12)
 
     def test_ranks_agree(self):
         end = "0.0005"  # 20 gas steps, 200 DEM steps

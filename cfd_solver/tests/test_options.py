@@ -19,7 +19,7 @@ class LeftOut(CoupledTest):
         self.assertIn("left out: no energy equation", log)
         self.assertNotIn("Solving for h", log)
         self.assertNotIn("heat to gas", log)
-        self.assertEqual(results.bed(target).dtype.names, ("time_s", "particles", "pressure_drop_Pa"))
+        self.assertEqual(results.bed(target).dtype.names, ("time_s", "particles", "pressure_drop_Pa", "mismatch"))
 
     def test_no_drag(self):
         target = self.scene(edits=[("constant/couplingProperties", "Beetstra;", "none;"), NO_HEAT])
