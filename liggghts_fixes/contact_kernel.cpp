@@ -1,6 +1,7 @@
 #include "contact_kernel.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 namespace hotbed
@@ -12,6 +13,7 @@ namespace
 constexpr int width = 128;
 
 using Lanes = double[width];
+using Index = long long __attribute__((vector_size(32)));
 
 struct Batch
 {
@@ -33,7 +35,6 @@ struct Batch
 
 inline void transpose(Row& a, Row& b, Row& c, Row& d)
 {
-    using Index = long long __attribute__((vector_size(32)));
     const Row ab = __builtin_shuffle(a, b, Index{0, 4, 2, 6}), AB = __builtin_shuffle(a, b, Index{1, 5, 3, 7});
     const Row cd = __builtin_shuffle(c, d, Index{0, 4, 2, 6}), CD = __builtin_shuffle(c, d, Index{1, 5, 3, 7});
     a = __builtin_shuffle(ab, cd, Index{0, 1, 4, 5});
@@ -65,7 +66,7 @@ inline Row less(const Row& i, const Row& j)
 }
 
 /// A pair whose state is not what it was: rare.
-void settle(ContactPairs& pairs, const ContactStep& step, int p, const Row& between)
+__attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& step, int p, const Row& between)
 {
     const int i = pairs.i[p], k = p - pairs.start[i];
     const double square = between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
@@ -96,18 +97,22 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, int 
         for (int k = 0; k < 4; ++k)
             x[k] = row[k] = less(step.place[first[p + k]].center, step.place[second[p + k]].center);
         transpose(x[0], x[1], x[2], x[3]);
-        const auto touches = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3];
-        unsigned char now[4];
+        const Index touches = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3];
+        // a byte for each pair, as in pairs.contact
+        const Index bytes = touches & Index{1, 1 << 8, 1 << 16, 1 << 24};
+        const Index folded = bytes | __builtin_shuffle(bytes, Index{2, 3, 0, 1});
+        const auto now = std::uint32_t(folded[0] | folded[1]);
         for (int k = 0; k < 4; ++k)
         {
-            now[k] = (unsigned char)(touches[k] & 1);
             batch.between[n] = row[k];
             batch.pair[n] = p + k;
-            n += now[k];
+            n += now >> (8 * k) & 1;
         }
-        if (std::memcmp(now, &pairs.contact[p], 4) != 0)
-            for (int k = 0; k < 4; ++k)
-                if (now[k] != pairs.contact[p + k]) settle(pairs, step, p + k, row[k]);
+        std::uint32_t before;
+        std::memcpy(&before, &pairs.contact[p], 4);
+        if (now == before) continue;
+        for (int k = 0; k < 4; ++k)
+            if ((now >> (8 * k) & 1) != pairs.contact[p + k]) settle(pairs, step, p + k, row[k]);
     }
     for (int k = 0; k < n; ++k)
     {
