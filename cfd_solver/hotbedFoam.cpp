@@ -204,6 +204,7 @@ int main(int argc, char* argv[])
                 restart.complete(state);
             }
             ++steps;
+            runTime.printExecutionTime(Info);
         }
         bed.finish(static_cast<OSstream&>(Info));
         dem->finish();

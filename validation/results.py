@@ -59,6 +59,12 @@ def timing(run):
     return table
 
 
+def seconds_a_step(log, skip):
+    """Processor seconds a time step from the ExecutionTime lines of an OpenFOAM solver's log, the first `skip` steps left out."""
+    times = [float(t) for t in re.findall(r"(?m)^ExecutionTime = (\S+) s", Path(log).read_text())]
+    return (times[-1] - times[skip - 1]) / (len(times) - skip)
+
+
 def wall_time(run):
     """Seconds from the start of the solver to its end, from the table that closes the log."""
     return float(re.search(r"(?m)^    whole run\s+([\d.]+)", (Path(run) / "log.hotbedFoam").read_text())[1])
