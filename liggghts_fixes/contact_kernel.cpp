@@ -291,15 +291,38 @@ template <bool friction> inline void run(ContactPairs& pairs, const ContactStep&
     }
 }
 
-} // namespace
-
-__attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"), flatten)) void
-contactForces(ContactPairs& pairs, const ContactStep& step)
+inline void run(ContactPairs& pairs, const ContactStep& step)
 {
     if (step.friction)
         run<true>(pairs, step);
     else
         run<false>(pairs, step);
+}
+
+// all of the above, compiled for each of the two
+__attribute__((target("arch=x86-64-v3"), flatten)) void runAvx2(ContactPairs& pairs, const ContactStep& step)
+{
+    run(pairs, step);
+}
+
+__attribute__((target("arch=x86-64-v4"), flatten)) void runAvx512(ContactPairs& pairs, const ContactStep& step)
+{
+    run(pairs, step);
+}
+
+} // namespace
+
+bool canVectorise()
+{
+    return __builtin_cpu_supports("x86-64-v3");
+}
+
+void contactForces(ContactPairs& pairs, const ContactStep& step)
+{
+    if (__builtin_cpu_supports("x86-64-v4"))
+        runAvx512(pairs, step);
+    else
+        runAvx2(pairs, step);
 }
 
 } // namespace hotbed

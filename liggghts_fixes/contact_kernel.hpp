@@ -69,6 +69,9 @@ struct ContactStep
     int offset;   ///< of the spring among them
 };
 
+/// Whether the processor has the registers this is written for (AVX2); without them it is slower than one by one.
+bool canVectorise();
+
 void contactForces(ContactPairs& pairs, const ContactStep& step);
 
 } // namespace hotbed

@@ -44,10 +44,10 @@ void VectorisedPair::init_granular()
     PlainPair::init_granular();
     stale_ = true;
 
-    // what the plain loop looks up in other fixes, contact by contact
+    // the fixes are those that the plain loop asks about each contact
     Modify& modify = *lmp_.modify;
-    special_ = modify.n_fixes_style_strict("freeze") > 0 || modify.n_fixes_style("insert/stream/predefined") > 0 ||
-               modify.n_fixes_style("rigid") > 0;
+    plain_ = !enabled_ || !canVectorise() || modify.n_fixes_style_strict("freeze") > 0 ||
+             modify.n_fixes_style("insert/stream/predefined") > 0 || modify.n_fixes_style("rigid") > 0;
 
     const int types = lmp_.atom->ntypes;
     const int used = lmp_.force->registry.max_type(); // the matrices end with the largest type in use
@@ -83,10 +83,11 @@ bool VectorisedPair::forcesOnly(PairGran& pair, int eflag, int vflag, int addfla
            !pair.storeContactForcesStress() && !pair.storeSumDelta() && !pair.store_sum_normal_force();
 }
 
-void VectorisedPair::takeList(const PairGran& pair)
+void VectorisedPair::takeList(PairGran& pair)
 {
     const NeighList& list = *pair.list;
     int** flag = pair.listgranhistory->firstneigh;
+    double** history = pair.listgranhistory->firstdouble;
     const int* type = lmp_.atom->type;
     const int types = lmp_.atom->ntypes;
     const int all = lmp_.atom->nlocal + lmp_.atom->nghost;
@@ -110,6 +111,8 @@ void VectorisedPair::takeList(const PairGran& pair)
             pairs_.i[p] = i;
             pairs_.j[p] = j;
             pairs_.contact[p] = bits == 0 ? OPEN : bits == flagBits ? TOUCHING : UNSETTLED;
+            // without friction nothing keeps the springs of an earlier run, or of the plain loop, up to date
+            if (bits && !friction_) std::fill_n(history[i] + std::size_t(pair.dnum()) * k + offset_, 3, 0.0);
             pairs_.types[p] = (unsigned short)((type[i] - 1) * types + type[j] - 1);
         }
     }
@@ -118,7 +121,7 @@ void VectorisedPair::takeList(const PairGran& pair)
 
 void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int addflag)
 {
-    if (!enabled_ || special_ || !forcesOnly(*pair, eflag, vflag, addflag))
+    if (plain_ || !forcesOnly(*pair, eflag, vflag, addflag))
     {
         stale_ = true; // the flags change without our knowing
         PlainPair::compute_force(pair, eflag, vflag, addflag);

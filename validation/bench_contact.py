@@ -117,7 +117,7 @@ def main():
     folder = (Path("results") / "contact" / "bench").resolve()
     folder.mkdir(parents=True, exist_ok=True)
     settle(folder)
-    repeats, steps = (3, 300) if options.quick else (7, 1000)
+    repeats, steps = (3, 200) if options.quick else (7, 1000)
     bounds = {("settled", 1): 2.3, ("settled", 2): 2.0, ("shaken", 1): 2.0, ("shaken", 2): 2.0}
     for (bed, ranks), bound in bounds.items():
         seconds = {"stock": [], "ours": []}
