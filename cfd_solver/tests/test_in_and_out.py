@@ -86,8 +86,10 @@ ACCOUNTED = 1e-8
 class InAndOut(SlimBedTest):
     def prepared(self, name, insertion, ranks=1, low=0, high="${height}", settings="", split="1 1 $numberOfSubdomains",
                  endTime="0.005", writeInterval="0.001"):
-        target = self.scene(name, ranks, [("system/decomposeParDict", r"n \(.*?\)", f"n ({split})")], l="2.5", width="0.01",
-                            height="0.02", cellsWidth="8", cellsHeight="16", maxDeltaT="2.5e-5", endTime=endTime, writeInterval=writeInterval)
+        target = self.scene(name, ranks, [("system/decomposeParDict", r"n \(.*?\)", f"n ({split})"),
+                                          ("constant/couplingProperties", r"^kernelWidth", "bedInterval 1;\nkernelWidth")],
+                            l="2.5", width="0.01", height="0.02", cellsWidth="8", cellsHeight="16", maxDeltaT="2.5e-5",
+                            endTime=endTime, writeInterval=writeInterval)
         (target / "DEM/in.bed").write_text(HEAD.format(insertion=insertion, low=low, high=high, settings=settings))
         (target / "DEM/face.stl").write_text(FACE)
         return target
