@@ -269,6 +269,11 @@ void Coupling::heatToGas()
     const int n = dem_.size();
     const double* T = dem_.temperature();
     heatGiven_.resize(std::size_t(n) * 4);
+    // temperatures from a common one on: in a well mixed bed the differences that drive the heat are small
+    double sum[2] = {std::accumulate(T, T + n, 0.0), double(n)};
+    MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    Exchange& exchange = gas_.exchange();
+    exchange.reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
     for (int i = 0; i < n; ++i)
     {
         const double mc = dem_.heatCapacity(i);
@@ -277,7 +282,7 @@ void Coupling::heatToGas()
         double* give = &heatGiven_[std::size_t(i) * 4];
         give[0] = mc * r.gain / dt;
         give[1] = mc * r.early / dt;
-        give[2] = T[i];
+        give[2] = T[i] - exchange.reference;
         give[3] = 1.0 - r.gain;
     }
     const double* copy = mapping_.toCopies(4, heatGiven_.data());
@@ -299,14 +304,13 @@ void Coupling::heatToGas()
     temperatureBefore_ = gas_.T().primitiveField();
     const scalarField capacity(gas_.heatCapacity());
     early_.resize(mesh_.nCells());
-    Exchange& exchange = gas_.exchange();
     for (label c = 0; c < mesh_.nCells(); ++c)
     {
         const double* sum = &cellHeat_[std::size_t(c) * heatSums];
         const double G = sum[0], X = sum[1];
         early_[c] = X > 0.0 ? std::min(1.0, capacity[c] / dt * (sum[3] / G) / X) : 0.0;
         exchange.conductance[c] = G - early_[c] * X;
-        exchange.heatSource[c] = sum[2] - early_[c] * X * temperatureBefore_[c];
+        exchange.heatSource[c] = sum[2] - early_[c] * X * (temperatureBefore_[c] - exchange.reference);
     }
 }
 
@@ -367,6 +371,7 @@ void Coupling::heatToParticles()
 {
     const auto time = timing_.measure("heat to particles");
     const scalarField& T = gas_.exchangeTemperature();
+    const Exchange& exchange = gas_.exchange();
 
     // The gas temperature at the particle rather than at its cells: a linear profile about the exchange-weighted
     // centre of the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the
@@ -394,7 +399,7 @@ void Coupling::heatToParticles()
     {
         const double* sum = &cellHeat_[std::size_t(c) * heatSums];
         double* f = &cellValues_[std::size_t(c) * readFields];
-        f[0] = T[c];
+        f[0] = T[c] - exchange.reference;
         f[1] = f[2] = f[3] = 0.0;
         if (sum[0] > 0.0)
             for (int a = 0; a < 3; ++a)
@@ -422,10 +427,9 @@ void Coupling::heatToParticles()
     reduce(heatExchanged_, sumOp<double>());
     dem_.receive(heatReceived_.data());
 
-    const Exchange& exchange = gas_.exchange();
     double mismatch = std::accumulate(heatReceived_.begin(), heatReceived_.end(), 0.0);
     for (label c = 0; c < mesh_.nCells(); ++c)
-        mismatch += dt * (exchange.heatSource[c] - exchange.conductance[c] * T[c]);
+        mismatch += dt * (exchange.heatSource[c] - exchange.conductance[c] * (T[c] - exchange.reference));
     reduce(mismatch, sumOp<double>());
     mismatch_ = std::max(mismatch_, relative(std::abs(mismatch), heatExchanged_));
 }

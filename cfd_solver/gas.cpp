@@ -249,7 +249,7 @@ void Gas::energy()
         mesh_, phi_, tmp<surfaceInterpolationScheme<scalar>>(new upwind<scalar>(mesh_, phi_)));
     fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - fvm::laplacian(alpha(), h));
     hEqn.diag() += implicitPart;
-    hEqn.source() += exchange_.heatSource - exchange_.conductance * T0 + implicitPart * h0;
+    hEqn.source() += exchange_.heatSource - exchange_.conductance * (T0 - exchange_.reference) + implicitPart * h0;
     hEqn.solve(mesh_.solver(h.select(pimple_.finalInnerIter())));
 
     // what crosses the boundary is what the matrix saw

@@ -14,7 +14,8 @@ struct Exchange
     Foam::scalarField drag;        ///< sum w B: implicit drag coefficient [kg/s]
     Foam::vectorField dragSource;  ///< sum w B v [N]
     Foam::scalarField conductance; ///< implicit heat exchange coefficient [W/K]
-    Foam::scalarField heatSource;  ///< explicit part of the heat given by the particles [W]
+    Foam::scalar reference = 0;    ///< temperature from which on heatSource counts [K]
+    Foam::scalarField heatSource;  ///< heat given by the particles to gas at the reference temperature [W]
 };
 
 /// The gas: volume-averaged compressible Navier-Stokes with voidage (eq 1-3, 7), on OpenFOAM's thermophysical and
