@@ -9,6 +9,10 @@ namespace hotbed
 namespace
 {
 
+using Place = ContactRows::Place;
+using Motion = ContactRows::Motion;
+using Load = ContactRows::Load;
+
 /// Pairs of a batch: its arrays stay in the nearest cache.
 constexpr int width = 128;
 
@@ -85,7 +89,7 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
 }
 
 /// Looks through the pairs from p on until the batch is full. @return the next pair to look at
-inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, int p)
+inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const Place* place, int p)
 {
     const int* first = pairs.i.data();
     const int* second = pairs.j.data();
@@ -94,8 +98,7 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, int 
     for (; p < count && n <= width - 4; p += 4)
     {
         Row row[4], x[4];
-        for (int k = 0; k < 4; ++k)
-            x[k] = row[k] = less(step.place[first[p + k]].center, step.place[second[p + k]].center);
+        for (int k = 0; k < 4; ++k) x[k] = row[k] = less(place[first[p + k]].center, place[second[p + k]].center);
         transpose(x[0], x[1], x[2], x[3]);
         const Index touches = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3];
         // a byte for each pair, as in pairs.contact
@@ -134,7 +137,8 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, int 
     return p;
 }
 
-template <bool friction> inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& step)
+template <bool friction>
+inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& step, const Motion* motion)
 {
     for (int k = 0; k < batch.n; k += 4)
     {
@@ -144,8 +148,8 @@ template <bool friction> inline void gather(Batch& batch, const ContactPairs& pa
         const Motion* j[4];
         for (int a = 0; a < 4; ++a)
         {
-            i[a] = &step.motion[batch.i[k + a]];
-            j[a] = &step.motion[batch.j[k + a]];
+            i[a] = &motion[batch.i[k + a]];
+            j[a] = &motion[batch.j[k + a]];
         }
         put(batch.velocity, k, less(i[0]->velocity, j[0]->velocity), less(i[1]->velocity, j[1]->velocity),
             less(i[2]->velocity, j[2]->velocity), less(i[3]->velocity, j[3]->velocity));
@@ -270,7 +274,7 @@ template <bool friction> inline void scatter(const Batch& batch, Load* load)
         for (int a = 0; a < 3; ++a) batch.spring[k][a] = batch.stretch[a][k];
 }
 
-template <bool friction> inline void run(ContactPairs& pairs, const ContactStep& step)
+template <bool friction> inline void addLoads(ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
     Batch batch;
     for (int k = 0; k < width; k += 4)
@@ -284,30 +288,53 @@ template <bool friction> inline void run(ContactPairs& pairs, const ContactStep&
     }
     for (int p = 0; p < int(pairs.i.size());)
     {
-        p = find(batch, pairs, step, p);
-        gather<friction>(batch, pairs, step);
+        p = find(batch, pairs, step, rows.place.data(), p);
+        gather<friction>(batch, pairs, step, rows.motion.data());
         law<friction>(batch, step.timestep);
-        scatter<friction>(batch, step.load);
+        scatter<friction>(batch, rows.load.data());
     }
 }
 
-inline void run(ContactPairs& pairs, const ContactStep& step)
+inline void run(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
+    Place* place = rows.place.data();
+    Motion* motion = rows.motion.data();
+    Load* load = rows.load.data();
+    for (int i = 0; i < particles.all; ++i)
+    {
+        const double *x = particles.x[i], *v = particles.v[i], *w = particles.omega[i];
+        const double r = particles.radius[i];
+        place[i].center = Row{x[0], x[1], x[2], r};
+        motion[i].velocity = Row{v[0], v[1], v[2], 1.0 / particles.mass[i]};
+        motion[i].spin = Row{w[0], w[1], w[2], r};
+    }
+    place[particles.all].center = Row{1e100, 0.0, 0.0, 0.0};
+
     if (step.friction)
-        run<true>(pairs, step);
+        addLoads<true>(pairs, step, rows);
     else
-        run<false>(pairs, step);
+        addLoads<false>(pairs, step, rows);
+
+    for (int i = 0; i < particles.local; ++i)
+        for (int a = 0; a < 3; ++a)
+        {
+            particles.force[i][a] += load[i].force[a];
+            particles.torque[i][a] += load[i].torque[a];
+        }
+    std::memset(static_cast<void*>(load), 0, rows.load.size() * sizeof(Load));
 }
 
 // all of the above, compiled for each of the two
-__attribute__((target("arch=x86-64-v3"), flatten)) void runAvx2(ContactPairs& pairs, const ContactStep& step)
+__attribute__((target("arch=x86-64-v3"), flatten)) void runAvx2(const ContactParticles& particles, ContactPairs& pairs,
+                                                                const ContactStep& step, ContactRows& rows)
 {
-    run(pairs, step);
+    run(particles, pairs, step, rows);
 }
 
-__attribute__((target("arch=x86-64-v4"), flatten)) void runAvx512(ContactPairs& pairs, const ContactStep& step)
+__attribute__((target("arch=x86-64-v4"), flatten)) void
+runAvx512(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    run(pairs, step);
+    run(particles, pairs, step, rows);
 }
 
 } // namespace
@@ -317,12 +344,16 @@ bool canVectorise()
     return __builtin_cpu_supports("x86-64-v3");
 }
 
-void contactForces(ContactPairs& pairs, const ContactStep& step)
+void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
+    const std::size_t count = std::size_t(particles.all) + 1;
+    rows.place.resize(count);
+    rows.motion.resize(count);
+    rows.load.resize(count, Load{});
     if (__builtin_cpu_supports("x86-64-v4"))
-        runAvx512(pairs, step);
+        runAvx512(particles, pairs, step, rows);
     else
-        runAvx2(pairs, step);
+        runAvx2(particles, pairs, step, rows);
 }
 
 } // namespace hotbed

@@ -11,23 +11,6 @@ namespace hotbed
 
 using Row = double __attribute__((vector_size(32)));
 
-struct Place
-{
-    alignas(32) Row center; ///< and the radius
-};
-
-struct Motion
-{
-    alignas(64) Row velocity; ///< and the inverse of the mass
-    Row spin;                 ///< and the radius
-};
-
-struct Load
-{
-    alignas(64) Row force; ///< the fourth entries mean nothing
-    Row torque;
-};
-
 struct ContactConstants
 {
     alignas(64) Row normal; ///< k_n, eta_n, eta_n over the root of the effective mass, mu
@@ -43,7 +26,7 @@ enum Contact : unsigned char
 };
 
 /// The pairs of LIGGGHTS' neighbour list one after the other, from one rebuild to the next. A multiple of four: filled
-/// up with pairs that never touch.
+/// up with pairs of the particle behind the last one.
 struct ContactPairs
 {
     std::vector<int> i, j;
@@ -52,11 +35,21 @@ struct ContactPairs
     std::vector<int> start;             ///< of each particle i: its first pair
 };
 
+/// LIGGGHTS' particles: local ones first, then ghosts
+struct ContactParticles
+{
+    int local, all;
+    const double (*x)[3];
+    const double (*v)[3];
+    const double (*omega)[3];
+    const double* radius;
+    const double* mass;
+    double (*force)[3]; ///< added to, of local particles: a ghost's are those of its owner's rank
+    double (*torque)[3];
+};
+
 struct ContactStep
 {
-    const Place* place;
-    const Motion* motion;
-    Load* load; ///< added to
     const ContactConstants* constants;
     bool oneConstants; ///< the same for all pairs
     bool friction;     ///< false: normal forces only
@@ -69,9 +62,31 @@ struct ContactStep
     int offset;   ///< of the spring among them
 };
 
+/// The particles as the kernel wants them, a row of four numbers at a time. Kept between steps for its memory only.
+struct ContactRows
+{
+    struct Place
+    {
+        alignas(32) Row center; ///< and the radius
+    };
+    struct Motion
+    {
+        alignas(64) Row velocity; ///< and the inverse of the mass
+        Row spin;                 ///< and the radius
+    };
+    struct Load
+    {
+        alignas(64) Row force; ///< the fourth entries mean nothing
+        Row torque;
+    };
+    std::vector<Place> place; ///< behind the last particle: one that is nowhere
+    std::vector<Motion> motion;
+    std::vector<Load> load; ///< zero between steps
+};
+
 /// Whether the processor has the registers this is written for (AVX2); without them it is slower than one by one.
 bool canVectorise();
 
-void contactForces(ContactPairs& pairs, const ContactStep& step);
+void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows);
 
 } // namespace hotbed

@@ -130,29 +130,16 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     pair->evflag = pair->vflag_fdotr = 0;
     if (stale_ || lmp_.neighbor->ago == 0) takeList(*pair);
 
-    const Atom& atom = *lmp_.atom;
-    const int local = atom.nlocal, all = local + atom.nghost;
-    if (local == 0) return;
-    place_.resize(all + 1);
-    motion_.resize(all + 1);
-    load_.resize(all + 1, Load{});
+    Atom& atom = *lmp_.atom;
     // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
     const auto block = [](double** rows) { return reinterpret_cast<double(*)[3]>(rows[0]); };
-    const auto* x = block(atom.x);
-    const auto* v = block(atom.v);
-    const auto* w = block(atom.omega);
-    for (int i = 0; i < all; ++i)
-    {
-        const double r = atom.radius[i];
-        place_[i] = {Row{x[i][0], x[i][1], x[i][2], r}};
-        motion_[i] = {Row{v[i][0], v[i][1], v[i][2], 1.0 / atom.rmass[i]}, Row{w[i][0], w[i][1], w[i][2], r}};
-    }
-    place_[all] = {Row{1e100, 0.0, 0.0, 0.0}};
-
+    if (atom.nlocal == 0) return;
+    const ContactParticles particles = {atom.nlocal,       atom.nlocal + atom.nghost,
+                                        block(atom.x),     block(atom.v),
+                                        block(atom.omega), atom.radius,
+                                        atom.rmass,        block(atom.f),
+                                        block(atom.torque)};
     ContactStep step;
-    step.place = place_.data();
-    step.motion = motion_.data();
-    step.load = load_.data();
     step.constants = constants_.data();
     step.oneConstants = constants_.size() == 1;
     step.friction = friction_;
@@ -163,21 +150,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.flagBits = flagBits;
     step.stride = pair->dnum();
     step.offset = offset_;
-    contactForces(pairs_, step);
-
-    // a ghost's forces are those of its owner's rank; what is left behind is zero, for the next step
-    auto* f = block(atom.f);
-    auto* torque = block(atom.torque);
-    for (int i = 0; i < local; ++i)
-    {
-        for (int a = 0; a < 3; ++a)
-        {
-            f[i][a] += load_[i].force[a];
-            torque[i][a] += load_[i].torque[a];
-        }
-        load_[i] = Load{};
-    }
-    std::fill(load_.begin() + local, load_.end(), Load{});
+    contactForces(particles, pairs_, step, rows_);
 }
 
 } // namespace hotbed

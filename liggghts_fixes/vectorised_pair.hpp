@@ -43,9 +43,7 @@ private:
     bool stale_ = true; ///< pairs_ is not the present neighbour list
     std::vector<ContactConstants> constants_;
     ContactPairs pairs_;
-    std::vector<Place> place_;
-    std::vector<Motion> motion_;
-    std::vector<Load> load_;
+    ContactRows rows_;
 };
 
 } // namespace hotbed

@@ -111,13 +111,13 @@ def settle(folder):
 
 def main():
     parser = argparse.ArgumentParser(prog="hotbed bench contact", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="fewer and shorter runs, within 3 minutes")
+    parser.add_argument("--quick", action="store_true", help="fewer and shorter runs")
     options = parser.parse_args()
     figures = results.Figures("contact", verb="bench")
     folder = (Path("results") / "contact" / "bench").resolve()
     folder.mkdir(parents=True, exist_ok=True)
     settle(folder)
-    repeats, steps = (3, 200) if options.quick else (7, 1000)
+    repeats, steps = (3, 200) if options.quick else (5, 400)
     bounds = {("settled", 1): 2.3, ("settled", 2): 2.0, ("shaken", 1): 2.0, ("shaken", 2): 2.0}
     for (bed, ranks), bound in bounds.items():
         seconds = {"stock": [], "ours": []}
