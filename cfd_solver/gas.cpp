@@ -36,6 +36,16 @@ Gas::Gas(fvMesh& mesh, bool energy)
       g_(gravityFile(mesh)), exchangeTemperature_(thermo_->T().primitiveField())
 {
     thermo_->validate("hotbedFoam", "h");
+    if (energyOn_)
+    {
+        // a restart goes on with the enthalpy itself: made from the temperature it would differ in the last digit
+        volScalarField& h = thermo_->he();
+        h.writeOpt() = IOobject::AUTO_WRITE;
+        IOobject written("h", mesh.time().timeName(), mesh, IOobject::MUST_READ, IOobject::NO_WRITE, false);
+        if (written.typeHeaderOk<volScalarField>())
+            h.primitiveFieldRef() = volScalarField(written, mesh).primitiveField();
+        h.correctBoundaryConditions();
+    }
     mesh_.setFluxRequired(p_.name());
     setRefCell(p_, pimple_.dict(), pressureCell_, pressureValue_);
     const label n = mesh.nCells();
@@ -63,7 +73,9 @@ void Gas::initialise(bool resumed)
     turbulence_ = compressible::turbulenceModel::New(mass_, U_, phi_, *thermo_);
     turbulence_->validate();
     if (energyOn_)
-        enthalpyFlux_.reset(new surfaceScalarField("enthalpyFlux", fvc::flux(phi_, thermo_->he(), "div(phi,h)")));
+        enthalpyFlux_.reset(
+            new surfaceScalarField(inputOutput("enthalpyFlux", mesh_, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE),
+                                   fvc::flux(phi_, thermo_->he(), "div(phi,h)")));
 }
 
 void Gas::advance()

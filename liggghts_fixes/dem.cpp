@@ -120,7 +120,13 @@ void Dem::setup(bool resumed)
 void Dem::writeRestart(const std::string& path)
 {
     LAMMPS& lmp = *instance_->lmp;
-    if (instance_->drag) instance_->drag->keepForces();
+    // as after reading: the same order of particles, the same neighbour lists, so that both go on to the last digit
+    if (instance_->drag && instance_->moving)
+    {
+        instance_->drag->keepForces();
+        lmp.update->integrate->setup();
+        instance_->drag->restoreForces();
+    }
     // the springs of the contacts live in the neighbour lists; LIGGGHTS saves what its fix took from them at the last
     // rebuild, which may be long ago
     for (int i = 0; i < lmp.modify->nfix; ++i)
