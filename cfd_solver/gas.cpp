@@ -323,18 +323,13 @@ scalar Gas::pressureDrop() const
     forAll(p_.boundaryField(), patch)
     {
         if (mesh_.boundary()[patch].coupled()) continue;
-        const scalarField& flux = phi_.boundaryField()[patch];
-        const scalarField& area = mesh_.magSf().boundaryField()[patch];
-        const scalarField& p = p_.boundaryField()[patch];
-        forAll(flux, f)
-        {
-            if (flux[f] == 0) continue;
-            scalar* side = flux[f] < 0 ? in : out;
-            side[0] += area[f];
-            side[1] += area[f] * p[f];
-        }
+        // by patch, not by face: gas that falls back through an outlet makes no inlet of it
+        const scalar flux = gSum(phi_.boundaryField()[patch]);
+        if (flux == 0) continue;
+        scalar* side = flux < 0 ? in : out;
+        side[0] += gSum(mesh_.magSf().boundaryField()[patch]);
+        side[1] += gSum(scalarField(mesh_.magSf().boundaryField()[patch] * p_.boundaryField()[patch]));
     }
-    for (scalar* sum : {&in[0], &in[1], &out[0], &out[1]}) reduce(*sum, sumOp<scalar>());
     return in[0] > 0 && out[0] > 0 ? in[1] / in[0] - out[1] / out[0] : 0;
 }
 

@@ -47,7 +47,8 @@ public:
     /// voidage * rho * c_p * V of each cell at the start of the step [J/K].
     Foam::tmp<Foam::scalarField> heatCapacity() const;
 
-    /// Mean pressure where gas enters less that where it leaves [Pa]; 0 without both.
+    /// Mean pressure of the patches through which more gas enters than leaves, less that of the others [Pa]; 0 without
+    /// both.
     Foam::scalar pressureDrop() const;
     Foam::scalar courantRate() const;   ///< largest Courant number over the time step, all cells and ranks [1/s]
     Foam::scalar energyContent() const; ///< sum voidage rho h V over all ranks [J]
