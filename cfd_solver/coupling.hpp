@@ -39,6 +39,9 @@ public:
     /// Impulse that the particles received in the last step, drag and pressure gradient, over all ranks [N s].
     const Foam::vector& impulse() const { return impulse_; }
 
+    /// What this rank has sent to others for the exchange so far [bytes].
+    std::int64_t bytesSent() const { return mapping_.bytesSent(); }
+
     /// What the gas equations took in the last step less what the particles received, over what was exchanged: the
     /// larger one of drag and heat. Round-off, or the coupling is broken.
     double mismatch() const { return mismatch_; }

@@ -25,8 +25,8 @@ IOobject gravityFile(const fvMesh& mesh)
 
 } // namespace
 
-Gas::Gas(fvMesh& mesh, bool energy)
-    : mesh_(mesh), energyOn_(energy), pimple_(mesh), thermo_(fluidThermo::New(mesh)), p_(thermo_->p()),
+Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
+    : mesh_(mesh), energyOn_(energy), timing_(timing), pimple_(mesh), thermo_(fluidThermo::New(mesh)), p_(thermo_->p()),
       voidage_(inputOutput("voidage", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), mesh,
                dimensionedScalar("voidage", dimless, 1.0), zeroGradientFvPatchScalarField::typeName),
       rho_(inputOutput("rho", mesh, IOobject::NO_READ, IOobject::NO_WRITE), thermo_->rho()),
@@ -88,7 +88,11 @@ void Gas::advance()
         momentum();
         while (pimple_.correct()) pressure();
         if (energyOn_) energy();
-        if (pimple_.turbCorr()) turbulence_->correct();
+        if (pimple_.turbCorr())
+        {
+            const auto time = timing_.measure("gas: turbulence");
+            turbulence_->correct();
+        }
     }
     if (energyOn_) enthalpyFlux_() = fvc::flux(phi_, thermo_->he(), "div(phi,h)");
 }
@@ -104,6 +108,7 @@ void Gas::continuity()
 
 void Gas::momentum()
 {
+    const auto time = timing_.measure("gas: momentum equation");
     continuity();
     U_.correctBoundaryConditions();
 
@@ -125,6 +130,7 @@ void Gas::momentum()
 
 void Gas::pressure()
 {
+    const auto time = timing_.measure("gas: pressure equation");
     rho_ = thermo_->rho();
     const volScalarField psip0(thermo_->psi() * p_);
     fvVectorMatrix& UEqn = UEqn_.ref();
@@ -248,6 +254,7 @@ void limitCorrection(const volScalarField& h, const scalarField& storage, surfac
 /// (flux-corrected transport). Twice, since the second pass sees the first one's result.
 void Gas::energy()
 {
+    const auto time = timing_.measure("gas: energy equation");
     volScalarField& h = thermo_->he();
     const scalar dt = mesh_.time().deltaTValue();
     const scalarField& V = mesh_.V();

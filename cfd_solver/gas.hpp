@@ -5,6 +5,8 @@
 #include "turbulentFluidThermoModel.H"
 #include "pimpleControl.H"
 
+#include "timing.hpp"
+
 namespace hotbed
 {
 
@@ -24,7 +26,7 @@ class Gas
 {
 public:
     /// @param energy whether the energy equation is solved
-    Gas(Foam::fvMesh& mesh, bool energy);
+    Gas(Foam::fvMesh& mesh, bool energy, Timing& timing);
 
     Foam::volScalarField& voidage() { return voidage_; }
     const Foam::volVectorField& U() const { return U_; }
@@ -67,6 +69,7 @@ private:
 
     Foam::fvMesh& mesh_;
     bool energyOn_;
+    Timing& timing_;
     Foam::pimpleControl pimple_;
     Foam::autoPtr<Foam::fluidThermo> thermo_;
     Foam::volScalarField& p_;

@@ -15,6 +15,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <iomanip>
 #include <iostream>
 #include <sstream>
 
@@ -112,6 +113,28 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
          << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
 
+/// The lines below the timing table. @param particleSteps DEM steps times the particles of this rank
+void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, scalar particleSteps, long steps)
+{
+    const auto sum = [](scalar value) { return returnReduce(value, sumOp<scalar>()); };
+    const auto largest = [](scalar value) { return returnReduce(value, maxOp<scalar>()); };
+    const auto row = [](const char* name, scalar value, const char* unit)
+    {
+        std::ostringstream line;
+        line << "    " << std::left << std::setw(28) << name << std::right << std::setw(11) << std::setprecision(4)
+             << value << ' ' << unit;
+        Info << line.str().c_str() << nl;
+    };
+    const scalar dem = largest(timing.of("DEM")), gas = largest(timing.of("gas"));
+    if (dem > 0) row("DEM, particle-steps a second", sum(particleSteps) / dem / 1e6, "million");
+    if (gas > 0) row("gas, cells a second", sum(mesh.nCells()) * scalar(steps) / gas / 1e6, "million");
+    if (Pstream::parRun() && steps > 0)
+        row("sent by a rank a step", largest(scalar(coupling.bytesSent())) / scalar(steps) / 1024, "KiB, exchange");
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    row("peak memory of a rank", largest(scalar(usage.ru_maxrss) / 1024.0), "MiB");
+}
+
 } // namespace
 
 int main(int argc, char* argv[])
@@ -129,6 +152,7 @@ int main(int argc, char* argv[])
     }
     const double start = MPI_Wtime();
     long steps = 0;
+    scalar particleSteps = 0;
     {
         checkVersion();
         Restart::setAsideUnfinished(args.globalPath());
@@ -162,7 +186,7 @@ int main(int argc, char* argv[])
                 << settings.demScript << " moves particles and drag is on, but nothing lets the gas push "
                 << "them: add 'fix ID all hotbed/drag', or set drag none in constant/couplingProperties"
                 << exit(FatalError);
-        Gas gas(mesh, settings.heatTransfer && dem->heat());
+        Gas gas(mesh, settings.heatTransfer && dem->heat(), timing);
         Coupling coupling(settings, mesh, *dem, gas, timing);
         coupling.map();
         if (!restart.resumed()) coupling.refuseOutside(); // on their way they may leave the mesh
@@ -193,6 +217,7 @@ int main(int argc, char* argv[])
             {
                 const auto time = timing.measure("DEM");
                 dem->advance(substeps);
+                particleSteps += scalar(substeps) * dem->size();
             }
             const auto time = timing.measure("output");
             bed.record();
@@ -208,13 +233,12 @@ int main(int argc, char* argv[])
         }
         bed.finish(static_cast<OSstream&>(Info));
         dem->finish();
+        for (const auto& part : dem->times()) timing.add("DEM: " + part.first, part.second);
         std::ostringstream table;
         timing.print(table, MPI_COMM_WORLD, MPI_Wtime() - start, steps);
-        rusage usage;
-        getrusage(RUSAGE_SELF, &usage);
-        const scalar memory = returnReduce(scalar(usage.ru_maxrss) / 1024.0, maxOp<scalar>());
-        Info << nl << table.str().c_str() << "    peak memory of a rank         " << memory << " MiB" << nl << nl
-             << "End" << nl << endl;
+        Info << nl << table.str().c_str();
+        printSpeed(timing, mesh, coupling, particleSteps, steps);
+        Info << nl << "End" << nl << endl;
     }
     if (ownMpi) MPI_Finalize();
     return 0;

@@ -101,6 +101,7 @@ void Mapping::exchange(int fields, const double* send, const std::vector<int>& s
             continue;
         }
         if (count == 0) continue;
+        bytesSent_ += std::int64_t(count) * fields * std::int64_t(sizeof(double));
         requests.emplace_back();
         MPI_Isend(from, count * fields, MPI_DOUBLE, r, 0, communicator_, &requests.back());
     }

@@ -36,6 +36,9 @@ public:
     ///         no weights: nothing is exchanged with them.
     std::vector<char> update(const ParticlePositions& particles);
 
+    /// What this rank has sent to others so far.
+    std::int64_t bytesSent() const { return bytesSent_; }
+
     const Cells& cells() const { return *cells_; }
 
     int particles() const { return particles_; }             ///< particles of this rank (home)
@@ -79,6 +82,7 @@ private:
     std::unique_ptr<Weights> weights_;
     std::vector<Box> bounds_; ///< of each rank's cells
 
+    std::int64_t bytesSent_ = 0;
     int particles_ = 0;
     bool direct_ = false;                       ///< one rank: copies are the particles themselves, nothing is packed
     std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank

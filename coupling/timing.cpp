@@ -6,12 +6,12 @@
 namespace hotbed
 {
 
-Timing::Scope Timing::measure(const std::string& phase)
+double& Timing::seconds(const std::string& phase)
 {
-    const auto place = index_.emplace(phase, index_.size()).first->second;
-    auto& entry = phase_[place];
-    entry.first = phase;
-    return Scope(entry.second);
+    for (auto& entry : phase_)
+        if (entry.first == phase) return entry.second;
+    phase_.emplace_back(phase, 0.0);
+    return phase_.back().second;
 }
 
 void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long steps) const
@@ -36,7 +36,14 @@ void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long 
         out << "Timing (" << ranks << (ranks == 1 ? " rank, " : " ranks, ") << steps
             << " steps)            mean [s]    max [s]   s a step    share\n";
     double named = 0.0;
-    for (const auto& entry : phase_) named += line(entry.second.first, entry.second.second);
+    for (const auto& phase : phase_)
+    {
+        if (phase.first.find(": ") != std::string::npos) continue;
+        named += line(phase.first, phase.second);
+        for (const auto& part : phase_)
+            if (part.first.compare(0, phase.first.size() + 2, phase.first + ": ") == 0)
+                line("  " + part.first.substr(phase.first.size() + 2), part.second);
+    }
     line("everything else", total - named);
     line("whole run", total);
     out.unsetf(std::ios::floatfield);

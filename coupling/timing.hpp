@@ -3,8 +3,9 @@
 #include <mpi.h>
 
 #include <iosfwd>
-#include <map>
+#include <deque>
 #include <string>
+#include <utility>
 
 namespace hotbed
 {
@@ -27,16 +28,24 @@ public:
         double begin_;
     };
 
-    /// @param phase name in the table; phases appear in the order of their names' first use
-    Scope measure(const std::string& phase);
+    /// @param phase name in the table; phases appear in the order of their names' first use. `a: b` is a
+    ///              part of `a`, whose time it does not add to.
+    Scope measure(const std::string& phase) { return Scope(seconds(phase)); }
+
+    /// Adds time that was measured elsewhere.
+    void add(const std::string& phase, double seconds) { this->seconds(phase) += seconds; }
+
+    /// Time of a phase so far on this rank [s].
+    double of(const std::string& phase) { return seconds(phase); }
 
     /// The table: mean and largest time over the ranks, time a step, share of the whole. Collective; rank 0 writes.
     /// Phases must be the same on every rank.
     void print(std::ostream& out, MPI_Comm communicator, double total, long steps) const;
 
 private:
-    std::map<std::string, std::size_t> index_;
-    std::map<std::size_t, std::pair<std::string, double>> phase_;
+    double& seconds(const std::string& phase);
+
+    std::deque<std::pair<std::string, double>> phase_; ///< in order of first use; references stay valid
 };
 
 } // namespace hotbed

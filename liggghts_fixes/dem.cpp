@@ -113,6 +113,8 @@ void Dem::setup(bool resumed)
     update.firststep = update.beginstep = update.ntimestep;
     update.laststep = update.endstep = update.ntimestep + update.nsteps;
     lmp.init();
+    lmp.timer->init();
+    lmp.modify->timing = 1;
     update.integrate->setup();
     if (resumed && instance_->drag) instance_->drag->restoreForces();
 }
@@ -305,6 +307,24 @@ void Dem::advance(int steps)
         if (lmp.modify->n_end_of_step) lmp.modify->end_of_step();
         if (lmp.update->ntimestep == lmp.output->next) lmp.output->write(lmp.update->ntimestep);
     }
+}
+
+std::vector<std::pair<std::string, double>> Dem::times() const
+{
+    if (!instance_->moving) return {};
+    const LAMMPS& lmp = *instance_->lmp;
+    const double* phase = lmp.timer->array;
+    double walls = 0.0, integration = 0.0, others = 0.0;
+    for (int i = 0; i < lmp.modify->nfix; ++i)
+    {
+        Fix& fix = *lmp.modify->fix[i];
+        const double seconds = fix.get_recorded_time();
+        (std::strncmp(fix.style, "wall/", 5) == 0 ? walls : fix.time_integrate ? integration : others) += seconds;
+    }
+    return {
+        {"contacts", phase[TIME_PAIR]}, {"neighbour lists", phase[TIME_NEIGHBOR]}, {"walls", walls},
+        {"integration", integration},   {"gravity and other fixes", others},       {"communication", phase[TIME_COMM]},
+        {"output", phase[TIME_OUTPUT]}};
 }
 
 void Dem::finish()

@@ -62,6 +62,9 @@ public:
     /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens.
     void advance(int steps);
 
+    /// Seconds that `advance` has spent so far on contacts, neighbour lists, walls, ..., on this rank.
+    std::vector<std::pair<std::string, double>> times() const;
+
     /// Closes the run as LIGGGHTS does at the end of `run`.
     void finish();
 

@@ -16,6 +16,7 @@
 #include "modify.h"
 #include "neighbor.h"
 #include "output.h"
+#include "timer.h"
 #include "update.h"
 #include "write_restart.h"
 #include "fix_wall_gran.h"

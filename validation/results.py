@@ -51,10 +51,10 @@ def bed(run):
 
 
 def timing(run):
-    """phase -> mean seconds a step, from the table that closes the log; with `memory` in MiB."""
+    """phase -> mean seconds a step, from the table that closes the log; parts of phases are left out; with `memory` in MiB."""
     text = (Path(run) / "log.hotbedFoam").read_text()
     table = {m[1].strip(): float(m[2]) for m in
-             re.finditer(r"(?m)^    (\S.{26}\S?)\s+[\d.]+\s+[\d.]+\s+([\d.]+)\s+[\d.]+ %$", text)}
+             re.finditer(r"(?m)^    (\S.{27})\s*[\d.]+\s+[\d.]+\s+([\d.]+)\s+[\d.]+ %$", text)}
     table["memory"] = float(re.search(r"peak memory of a rank\s+([\d.]+) MiB", text)[1])
     return table
 
