@@ -89,8 +89,8 @@ def write(path, position, velocity):
                     f"Atoms\n\n{atoms}\n\nVelocities\n\n{motion}\n")
 
 
-def settle(folder):
-    """Writes the settled bed and the shaken one as data files; kept for the next time."""
+def settle(folder, steps=8000):
+    """Writes the bed settled for some steps and the shaken one as data files; kept for the next time."""
     if (folder / "data.shaken").exists():
         return
     random = np.random.default_rng(1)
@@ -99,11 +99,11 @@ def settle(folder):
     velocity = np.zeros((NUMBER, 6))
     velocity[:, :3] = random.normal(0, 0.05, (NUMBER, 3))
     write(folder / "data.lattice", np.stack([i + 0.5, j + 0.5, k + 0.5], axis=1) * D, velocity)
-    dump = ("dump bed all custom 8000 end.* x y z vx vy vz omegax omegay omegaz\n"
+    dump = (f"dump bed all custom {steps} end.* x y z vx vy vz omegax omegay omegaz\n"
             f'dump_modify bed format "{" ".join(["%.10g"] * 9)}"\n')
-    text = script(OURS, "data.lattice", [8000])
+    text = script(OURS, "data.lattice", [steps])
     liggghts(folder, "settle", text.replace("timestep", dump + "timestep"), 2)
-    end = np.loadtxt(folder / "end.8000", skiprows=9)
+    end = np.loadtxt(folder / f"end.{steps}", skiprows=9)
     write(folder / "data.settled", end[:, :3], end[:, 3:])
     velocity[:, :3] *= 0.2 / np.sqrt(np.mean(np.sum(velocity[:, :3]**2, axis=1)))
     write(folder / "data.shaken", end[:, :3], velocity)
