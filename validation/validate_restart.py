@@ -38,7 +38,7 @@ def scene(folder, name, ranks, step, end, interval):
     hotbed.prepare(CASE, run, {**SMALL, "maxDeltaT": step, "endTime": f"{end}", "writeInterval": f"{interval}"},
                    ranks=ranks, overwrite=True)
     # digits beyond the bound: pressure, dump
-    edit(run / "system/fvSolution", r"tolerance\s+1e-7;\s*relTol\s+0.01;", "tolerance 1e-12; relTol 0; maxIter 60;")
+    edit(run / "system/fvSolution", r"tolerance\s+1e-7;\s*relTol\s+0.01;", "tolerance 1e-10; relTol 0;")
     edit(run / "DEM/in.bed", r"^dump .*$",
          f"dump particles all custom {LATER} DEM/post/particles*.txt id x y z vx vy vz f_Temp\n"
          'dump_modify particles sort id format "%d %.17g %.17g %.17g %.17g %.17g %.17g %.17g"')
