@@ -137,11 +137,20 @@ def tail(path, lines=25):
     return "\n".join(ending(path).splitlines()[-lines:])
 
 
+def keep(log):
+    """Moves the log of the piece of a run before to the next free log.1, log.2, ..."""
+    if log.exists():
+        number = next(n for n in range(1, 10**6) if not Path(f"{log}.{n}").exists())
+        log.rename(f"{log}.{number}")
+
+
 def start(run, ranks=1, log="log.hotbedFoam"):
     """Starts the solver in a prepared case. @return subprocess.Popen"""
     command = [str(SOLVER), "-case", str(Path(run).resolve())]
     if ranks > 1:
         command = ["mpirun", "-np", str(ranks), *command, "-parallel"]
+    for name in (log, "log.liggghts"):
+        keep(Path(run) / name)
     with open(Path(run) / log, "w") as out:
         return subprocess.Popen(command, cwd=run, stdout=out, stderr=subprocess.STDOUT, env=environment())
 

@@ -55,10 +55,10 @@ template <class Values> inline void depositFields(const BoxWeights& weights, con
 
 } // namespace
 
-double BoxWeights::mass() const
+double BoxWeights::mass(const Particle& p) const
 {
     double sum = 0.0;
-    forEachCell(*this, particle.back(), [&](int, double w) { sum += w; });
+    forEachCell(*this, p, [&](int, double w) { sum += w; });
     return sum;
 }
 

@@ -21,10 +21,10 @@ struct BoxWeights
     const int* cellOf = nullptr; ///< lattice slot -> cell, -1 for none
     int nx = 0, nxy = 0;         ///< slots a row, slots a layer
     std::vector<Particle> particle;
-    std::vector<double> row; ///< one-dimensional masses
+    std::vector<double> row; ///< one-dimensional masses, and room for more
 
-    /// Mass of the last particle on cells that are there.
-    double mass() const;
+    /// Mass of a particle on cells that are there.
+    double mass(const Particle& p) const;
 };
 
 /// Weighted sum of cell values for each particle.

@@ -131,30 +131,34 @@ public:
         weights_.nxy = cells.nSlots_[0] * cells.nSlots_[1];
     }
 
-    void clear() override
+    void assign(int count, const double (*particles)[4], double (*found)[2]) override
     {
-        weights_.particle.clear();
-        weights_.row.clear();
-    }
-
-    double append(const Point& x, double halfWidth) override
-    {
-        weights_.particle.emplace_back();
-        BoxWeights::Particle p;
-        p.row = std::int64_t(weights_.row.size());
-        std::array<int, 3> first;
-        for (int a = 0; a < 3; ++a)
+        weights_.particle.assign(std::size_t(count), BoxWeights::Particle());
+        std::size_t end = 0;
+        for (int n = 0; n < count; ++n)
         {
-            if (!cells_.reach(a, x[a], halfWidth, first[a], p.count[a])) return 0.0;
-            cells_.axisMasses(a, x[a], halfWidth, first[a], p.count[a], weights_.row);
+            const double* x = particles[n];
+            const double halfWidth = x[3];
+            found[n][0] = found[n][1] = 0.0;
+            std::array<int, 3> first, cells;
+            if (!cells_.reach(0, x[0], halfWidth, first[0], cells[0]) ||
+                !cells_.reach(1, x[1], halfWidth, first[1], cells[1]) ||
+                !cells_.reach(2, x[2], halfWidth, first[2], cells[2]))
+                continue;
+            const std::size_t needed = end + std::size_t(cells[0] + cells[1] + cells[2]);
+            if (weights_.row.size() < needed) weights_.row.resize(2 * needed);
+            double* row = &weights_.row[end];
+            double mass = 1.0;
+            for (int a = 0; a < 3; row += cells[a++])
+                mass *= cells_.axisMasses(a, x[a], halfWidth, first[a], cells[a], row);
+            BoxWeights::Particle& p = weights_.particle[n];
+            p.row = std::int64_t(end);
+            p.count = cells;
+            p.slot = cells_.slot(first[0], first[1], first[2]);
+            end = needed;
+            found[n][0] = cells_.full_ ? mass : weights_.mass(p);
+            found[n][1] = cells_.contains({{x[0], x[1], x[2]}}) ? 1.0 : 0.0;
         }
-        p.slot = cells_.slot(first[0], first[1], first[2]);
-        weights_.particle.back() = p;
-        if (!cells_.full_) return weights_.mass();
-        const double* row = &weights_.row[std::size_t(p.row)];
-        double mass = 1.0;
-        for (int a = 0; a < 3; row += p.count[a++]) mass *= std::accumulate(row, row + p.count[a], 0.0);
-        return mass;
     }
 
     void scale(const double* factor) override
@@ -196,11 +200,8 @@ bool BoxCells::reach(int a, double x, double halfWidth, int& first, int& count) 
     return true;
 }
 
-void BoxCells::axisMasses(int a, double x, double halfWidth, int first, int count, std::vector<double>& out) const
+double BoxCells::axisMasses(int a, double x, double halfWidth, int first, int count, double* mass) const
 {
-    const std::size_t begin = out.size();
-    out.resize(begin + std::size_t(count));
-    double* mass = &out[begin];
     const double inverse = 1.0 / halfWidth;
     const double* face = &axis_[a].face[first];
     double below = deenMassBelow((face[0] - x) * inverse);
@@ -210,14 +211,14 @@ void BoxCells::axisMasses(int a, double x, double halfWidth, int first, int coun
         mass[i] = above - below;
         below = above;
     }
-    if (empty(domain_)) return;
     for (const double wall : {domain_.low[a], domain_.high[a]})
     {
-        if (std::abs(x - wall) >= halfWidth) continue;
+        if (empty(domain_) || std::abs(x - wall) >= halfWidth) continue;
         const double image = 2.0 * wall - x; // the mirrored kernel reaches back into the domain
         for (int i = 0; i < count; ++i)
             mass[i] += deenMassBelow((face[i + 1] - image) * inverse) - deenMassBelow((face[i] - image) * inverse);
     }
+    return std::accumulate(mass, mass + count, 0.0);
 }
 
 SampledCells::SampledCells(int size, const Box& bounds, Locate locate, int samplesPerAxis)
@@ -242,36 +243,17 @@ class SampledCells::List : public Weights
 public:
     explicit List(const SampledCells& cells) : cells_(cells) {}
 
-    void clear() override
+    void assign(int count, const double (*particles)[4], double (*found)[2]) override
     {
         start_.assign(1, 0);
         cell_.clear();
         weight_.clear();
-    }
-
-    double append(const Point& x, double halfWidth) override
-    {
-        const auto& node = cells_.node_;
-        const double share = 1.0 / (double(node.size()) * double(node.size()) * double(node.size()));
-        const auto begin = std::ptrdiff_t(cell_.size());
-        for (const double nz : node)
-            for (const double ny : node)
-                for (const double nx : node)
-                {
-                    const int cell =
-                        cells_.locate_({{x[0] + nx * halfWidth, x[1] + ny * halfWidth, x[2] + nz * halfWidth}});
-                    if (cell < 0) continue;
-                    const auto known = std::find(cell_.begin() + begin, cell_.end(), cell);
-                    if (known != cell_.end())
-                        weight_[std::size_t(known - cell_.begin())] += share;
-                    else
-                    {
-                        cell_.push_back(cell);
-                        weight_.push_back(share);
-                    }
-                }
-        start_.push_back(std::int64_t(cell_.size()));
-        return std::accumulate(weight_.begin() + begin, weight_.end(), 0.0);
+        for (int n = 0; n < count; ++n)
+        {
+            append(particles[n], particles[n][3]);
+            found[n][0] = std::accumulate(weight_.begin() + start_[n], weight_.end(), 0.0);
+            found[n][1] = cells_.contains({{particles[n][0], particles[n][1], particles[n][2]}}) ? 1.0 : 0.0;
+        }
     }
 
     void scale(const double* factor) override
@@ -300,6 +282,30 @@ public:
     }
 
 private:
+    void append(const double* x, double halfWidth)
+    {
+        const auto& node = cells_.node_;
+        const double share = 1.0 / (double(node.size()) * double(node.size()) * double(node.size()));
+        const auto begin = std::ptrdiff_t(cell_.size());
+        for (const double nz : node)
+            for (const double ny : node)
+                for (const double nx : node)
+                {
+                    const int cell =
+                        cells_.locate_({{x[0] + nx * halfWidth, x[1] + ny * halfWidth, x[2] + nz * halfWidth}});
+                    if (cell < 0) continue;
+                    const auto known = std::find(cell_.begin() + begin, cell_.end(), cell);
+                    if (known != cell_.end())
+                        weight_[std::size_t(known - cell_.begin())] += share;
+                    else
+                    {
+                        cell_.push_back(cell);
+                        weight_.push_back(share);
+                    }
+                }
+        start_.push_back(std::int64_t(cell_.size()));
+    }
+
     const SampledCells& cells_;
     std::vector<std::int64_t> start_{0}; ///< entries of particle k: start_[k] to start_[k + 1]
     std::vector<int> cell_;

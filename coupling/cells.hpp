@@ -23,14 +23,11 @@ class Weights
 public:
     virtual ~Weights() = default;
 
-    /// Forgets all particles.
-    virtual void clear() = 0;
-
-    /// Adds a particle whose weights are the kernel mass in each cell of this rank.
-    /// @param x          centre of the particle [m]
-    /// @param halfWidth  n, half the full window [m]
-    /// @return mass on all cells of this rank: what lies outside every rank's cells is missing from 1
-    virtual double append(const Point& x, double halfWidth) = 0;
+    /// Takes new particles, whose weights are the kernel mass in each cell of this rank.
+    /// @param particles  centre [m] and n, half the full window [m], of each
+    /// @param found      set for each: kernel mass on all cells of this rank (what lies outside every rank's cells is
+    ///                   missing from 1), and 1 where a cell of this rank holds the centre, else 0
+    virtual void assign(int count, const double (*particles)[4], double (*found)[2]) = 0;
 
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(const double* factor) = 0;
@@ -89,8 +86,8 @@ private:
 
     /// the lattice intervals of axis a that a kernel reaches; false where none
     bool reach(int a, double x, double halfWidth, int& first, int& count) const;
-    /// appends the one-dimensional kernel masses in those intervals
-    void axisMasses(int a, double x, double halfWidth, int first, int count, std::vector<double>& out) const;
+    /// the one-dimensional kernel masses in those intervals; @return their sum
+    double axisMasses(int a, double x, double halfWidth, int first, int count, double* mass) const;
 
     int slot(int i, int j, int k) const { return (k * nSlots_[1] + j) * nSlots_[0] + i; }
 

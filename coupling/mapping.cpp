@@ -52,19 +52,13 @@ std::vector<char> Mapping::update(const ParticlePositions& particles)
         std::copy_n(particles.position[i], 3, &home[std::size_t(i) * 4]);
         home[std::size_t(i) * 4 + 3] = particles.halfWidth[i];
     }
-    const double* copy = toCopies(4, home.data());
+    const auto* copy = reinterpret_cast<const double(*)[4]>(toCopies(4, home.data()));
 
     const int n = receiveStart_[ranks_];
     copyPosition_.resize(n);
-    weights_->clear();
+    for (int k = 0; k < n; ++k) std::copy_n(copy[k], 3, copyPosition_[k].begin());
     std::vector<double> found(std::size_t(n) * 2); // kernel mass on this rank; cells that hold the centre
-    for (int k = 0; k < n; ++k)
-    {
-        Point& x = copyPosition_[k];
-        std::copy_n(copy + std::size_t(k) * 4, 3, x.begin());
-        found[std::size_t(k) * 2] = weights_->append(x, copy[std::size_t(k) * 4 + 3]);
-        found[std::size_t(k) * 2 + 1] = cells_->contains(x) ? 1.0 : 0.0;
-    }
+    weights_->assign(n, copy, reinterpret_cast<double(*)[2]>(found.data()));
 
     const double* total = toHome(2, found.data());
     std::vector<char> inside(particles_);

@@ -34,7 +34,9 @@ const Box unit{{{0, 0, 0}}, {{1, 1, 1}}};
 std::map<int, double> masses(const Cells& cells, const Point& x, double n)
 {
     const auto weights = cells.weights();
-    const double here = weights->append(x, n), one = 1.0;
+    const double particle[1][4] = {{x[0], x[1], x[2], n}}, one = 1.0;
+    double found[1][2];
+    weights->assign(1, particle, found);
     std::vector<double> deposited(cells.size(), 0.0);
     weights->deposit(1, &one, deposited.data());
     std::map<int, double> mass;
@@ -44,7 +46,7 @@ std::map<int, double> masses(const Cells& cells, const Point& x, double n)
         sum += deposited[c];
         if (deposited[c] > 0.0) mass[c] = deposited[c];
     }
-    EXPECT_NEAR(here, sum, 1e-14);
+    EXPECT_NEAR(found[0][0], sum, 1e-14);
     return mass;
 }
 
@@ -188,9 +190,11 @@ TEST(Weights, SeveralFieldsAtATimeGiveWhatOneDoes)
     for (const Cells* cells : {static_cast<const Cells*>(&boxes), static_cast<const Cells*>(&sampled)})
     {
         const auto weights = cells->weights();
-        const std::vector<Point> particles = {{{0.1, 0.5, 0.9}}, {{0.33, 0.4, 0.45}}, {{0.6, 0.02, 0.7}}};
-        for (const Point& x : particles) weights->append(x, 0.3);
-        const std::size_t n = particles.size(), m = std::size_t(cells->size());
+        constexpr std::size_t n = 3;
+        const double particles[n][4] = {{0.1, 0.5, 0.9, 0.3}, {0.33, 0.4, 0.45, 0.3}, {0.6, 0.02, 0.7, 0.3}};
+        double found[n][2];
+        weights->assign(int(n), particles, found);
+        const std::size_t m = std::size_t(cells->size());
         for (const int fields : {1, 2, 4, 8})
         {
             const auto entry = [](std::size_t row, int f) { return std::sin(1.0 + double(row) + 100.0 * f); };
