@@ -222,28 +222,34 @@ void Coupling::closures()
         const double(*v)[3] = dem_.velocity();
         drag_.resize(std::size_t(n) * 4);
         conductance_.resize(heat_ ? n : 0);
+        std::vector<double>& work = closureWork_;
+        work.assign(std::size_t(n) * 5, 0.0);
+        double *voidage = work.data(), *reynolds = voidage + n, *prandtl = reynolds + n, *beta = prandtl + n,
+               *nusselt = beta + n;
         for (int i = 0; i < n; ++i)
         {
             const double* g = at + std::size_t(i) * gasFields;
-            double* exchange = &drag_[std::size_t(i) * 4];
-            if (!inside_[i]) // has left the mesh: exchanges nothing
+            if (!inside_[i])
             {
-                std::fill_n(exchange, 4, 0.0);
-                if (heat_) conductance_[i] = nusselts[i] = 0.0;
+                voidage[i] = prandtl[i] = 1.0; // has left the mesh: any numbers, it exchanges nothing
                 continue;
             }
-            const double voidage = g[0], rho = g[4], mu = g[5];
-            const double d = 2.0 * radius[i] / l;
             const double slip[3] = {g[1] - v[i][0], g[2] - v[i][1], g[3] - v[i][2]};
             const double speed = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
-            const double reynolds = voidage * rho * speed * d / mu;
-            const double B =
-                settings_.drag ? dragCoefficient(settings_.drag(voidage, reynolds), mu, voidage, d, l) : 0.0;
-            dragOn(i, B, exchange);
+            voidage[i] = g[0];
+            reynolds[i] = g[0] * g[4] * speed * (2.0 * radius[i] / l) / g[5];
+            prandtl[i] = g[5] * g[7] / g[6];
+        }
+        if (settings_.drag) settings_.drag(n, voidage, reynolds, beta);
+        if (heat_) gunn(n, voidage, reynolds, prandtl, nusselt);
+        for (int i = 0; i < n; ++i)
+        {
+            const double* g = at + std::size_t(i) * gasFields;
+            const double d = 2.0 * radius[i] / l, inside = inside_[i] ? 1.0 : 0.0;
+            dragOn(i, inside * dragCoefficient(beta[i], g[5], voidage[i], d, l), &drag_[std::size_t(i) * 4]);
             if (!heat_) continue;
-            const double nusselt = gunn(voidage, reynolds, mu * g[7] / g[6]);
-            nusselts[i] = nusselt;
-            conductance_[i] = heatConductance(nusselt, g[6], d, l);
+            nusselts[i] = inside * nusselt[i];
+            conductance_[i] = heatConductance(nusselts[i], g[6], d, l);
         }
     }
     const auto time = timing_.measure("drag to gas");

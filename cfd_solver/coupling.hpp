@@ -69,6 +69,7 @@ private:
     std::vector<double> halfWidth_;    ///< kernel, by particle [m]
     double widest_ = 0;                ///< largest halfWidth_ over all ranks [m]
     std::vector<double> drag_;         ///< by particle: G [kg/s], explicit part of the force on the gas [N]; see dragOn
+    std::vector<double> closureWork_;  ///< by particle: voidage, Reynolds, Prandtl number, beta, Nusselt number
     std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
     std::vector<double> conductance_;  ///< h A, by particle [W/K]
     std::vector<double> heatReceived_; ///< heat received over a step, by particle [J]

@@ -14,7 +14,7 @@ namespace hotbed
 /// @return every single-valued entry, in file order; empty without the file
 std::vector<std::pair<std::string, std::string>> readSettings(const Foam::Time& runTime);
 
-using DragLaw = double (*)(double voidage, double reynolds);
+using DragLaw = void (*)(int n, const double* voidage, const double* reynolds, double* beta);
 
 /// constant/couplingProperties, checked whole before anything is computed.
 struct CouplingSettings
@@ -23,7 +23,7 @@ struct CouplingSettings
 
     Foam::fileName demScript;        ///< path from the case
     Foam::word dragName;             ///< Beetstra, ErgunWenYu or none
-    DragLaw drag = nullptr;          ///< beta of voidage and Reynolds number, see closures.hpp; null for none
+    DragLaw drag = nullptr;          ///< see closures.hpp; null for none
     bool heatTransfer = true;        ///< Gunn, or none
     Foam::scalar kernelWidth = 3;    ///< full window over the coarse diameter; 0 where windowLength is given
     Foam::scalar windowLength = 0;   ///< full window [m], the same for every particle; 0 where kernelWidth is given

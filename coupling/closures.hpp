@@ -6,25 +6,26 @@
 namespace hotbed
 {
 
-/// Drag of a gas on a sphere in a bed, over its Stokes drag. Beetstra, van der Hoef & Kuipers (2007), paper eq 5.
+/// Drag of a gas on a sphere in a bed, over its Stokes drag. Beetstra, van der Hoef & Kuipers (2007), paper eq 5. For n
+/// particles at a time, as the two below.
 /// @param voidage   gas holdup, (0, 1]
 /// @param reynolds  eq 6, >= 0
-/// @return beta [-]; the limit for reynolds -> 0 is finite and is what 0 returns
-double beetstra(double voidage, double reynolds);
+/// @param beta      set [-]; the limit for reynolds -> 0 is finite and is what 0 gives
+void beetstra(int n, const double* voidage, const double* reynolds, double* beta);
 
 /// The same by Ergun (1952) below a voidage of 0.8 and Wen & Yu (1966) from there on, as joined by Gidaspow (1994); the
 /// force on a particle is that of the interphase coefficient K of these laws, K V / (1 - voidage).
 /// @param voidage   gas holdup, (0, 1]
 /// @param reynolds  eq 6, >= 0
-/// @return beta [-]
-double ergunWenYu(double voidage, double reynolds);
+/// @param beta      set [-]
+void ergunWenYu(int n, const double* voidage, const double* reynolds, double* beta);
 
 /// Nusselt number of a sphere in a bed. Gunn (1978), paper eq 9; fitted for voidage 0.35 to 1 and reynolds up to 1e5.
 /// @param voidage   gas holdup, (0, 1]
 /// @param reynolds  eq 6, >= 0
 /// @param prandtl   viscosity * heat capacity / conductivity, > 0
-/// @return Nusselt number on the original diameter [-]
-double gunn(double voidage, double reynolds, double prandtl);
+/// @param nusselt   set: Nusselt number on the original diameter [-]
+void gunn(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt);
 
 /// Conductivity of the gas in a bed over that of the gas alone. Syamlal & Gidaspow (1985), paper eq 12.
 /// @param voidage gas holdup, (0, 1]

@@ -6,17 +6,26 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 using namespace hotbed;
 
 namespace
 {
 
+double beetstra(double voidage, double reynolds)
+{
+    double beta;
+    hotbed::beetstra(1, &voidage, &reynolds, &beta);
+    return beta;
+}
+
 double evaluate(const std::string& function, double a, double b, double c)
 {
     if (function == "beetstra") return beetstra(a, b);
-    if (function == "ergunWenYu") return ergunWenYu(a, b);
-    if (function == "gunn") return gunn(a, b, c);
+    double value;
+    if (function == "ergunWenYu") return ergunWenYu(1, &a, &b, &value), value;
+    if (function == "gunn") return gunn(1, &a, &b, &c, &value), value;
     if (function == "effectiveConductivity") return effectiveConductivity(a);
     if (function == "dashpot") return dashpot(a, b, c);
     if (function == "tangentialStiffness") return tangentialStiffness(a, b, c);
@@ -61,6 +70,28 @@ TEST(Closures, BeetstraIsFiniteAndContinuousTowardsRest)
     const double rest = beetstra(0.4, 0.0);
     EXPECT_TRUE(std::isfinite(rest));
     for (double re = 1e-300; re < 1e-6; re *= 1e3) EXPECT_NEAR(beetstra(0.4, re), rest, 1e-12 * rest) << re;
+}
+
+TEST(Closures, ManyAtATimeGiveWhatOneDoes)
+{
+    std::vector<double> voidage, reynolds, prandtl;
+    for (int i = 0; i < 1003; ++i)
+    {
+        voidage.push_back(0.2 + 0.8 * i / 1002);
+        reynolds.push_back(i % 7 ? std::pow(10.0, -14 + i % 20) : 0.0);
+        prandtl.push_back(0.01 * (1 + i));
+    }
+    const int n = int(voidage.size());
+    std::vector<double> drag(n), other(n), nusselt(n);
+    hotbed::beetstra(n, voidage.data(), reynolds.data(), drag.data());
+    ergunWenYu(n, voidage.data(), reynolds.data(), other.data());
+    gunn(n, voidage.data(), reynolds.data(), prandtl.data(), nusselt.data());
+    for (int i = 0; i < n; ++i)
+    {
+        EXPECT_NEAR(drag[i], evaluate("beetstra", voidage[i], reynolds[i], 0), 2e-14 * drag[i]) << i;
+        EXPECT_NEAR(other[i], evaluate("ergunWenYu", voidage[i], reynolds[i], 0), 2e-14 * other[i]) << i;
+        EXPECT_NEAR(nusselt[i], evaluate("gunn", voidage[i], reynolds[i], prandtl[i]), 2e-14 * nusselt[i]) << i;
+    }
 }
 
 TEST(Closures, CoarseDragAndHeatStandForLCubedOriginals)
