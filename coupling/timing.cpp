@@ -30,7 +30,6 @@ void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long 
                 << std::setw(11) << mean << std::setw(11) << largest << std::setw(13) << std::setprecision(5)
                 << (steps > 0 ? mean / double(steps) : 0.0) << std::setw(9) << std::setprecision(1)
                 << (total > 0 ? 100.0 * mean / total : 0.0) << " %\n";
-        return mean;
     };
     if (rank == 0)
         out << "Timing (" << ranks << (ranks == 1 ? " rank, " : " ranks, ") << steps
@@ -39,7 +38,8 @@ void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long 
     for (const auto& phase : phase_)
     {
         if (phase.first.find(": ") != std::string::npos) continue;
-        named += line(phase.first, phase.second);
+        named += phase.second;
+        line(phase.first, phase.second);
         for (const auto& part : phase_)
             if (part.first.compare(0, phase.first.size() + 2, phase.first + ": ") == 0)
                 line("  " + part.first.substr(phase.first.size() + 2), part.second);
