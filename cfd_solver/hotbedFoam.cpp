@@ -83,7 +83,9 @@ void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
     const long left = std::lround(min((next - runTime.value()) / dem.timestep(), scalar(1e9)));
     if (left > 0)
     {
-        const long pieces = (left + steps - 1) / steps;
+        const auto piecesOf = [&](scalar longest) { return std::lround(std::ceil(scalar(left) / longest)); };
+        long pieces = piecesOf(scalar(steps));
+        if (scalar(left) < 0.9 * scalar(pieces * steps)) pieces = piecesOf(1.05 * scalar(steps));
         steps = (left + pieces - 1) / pieces;
     }
     runTime.setDeltaT(scalar(steps) * dem.timestep(), false);
