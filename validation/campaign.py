@@ -1,5 +1,6 @@
 """Long runs that a session of work need not hold: each goes on from its last restart where it was stopped."""
 
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import run as hotbed
 
 def name(settings):
     """Folder of a run: its settings but for end and write interval."""
-    return ",".join(f"{k}={v}" for k, v in settings.items() if k not in ("endTime", "writeInterval"))
+    return ",".join(f"{k}={v}" for k, v in settings.items() if k not in ("endTime", "writeInterval")) or "default"
 
 
 def reached(folder):
@@ -18,30 +19,64 @@ def reached(folder):
     return max((float(state.parent.name) for state in Path(folder).glob("restart/*/state")), default=0.0)
 
 
-def run_all(case, folder, runs, at_once=2, ranks=1):
+def ended(folder):
+    """Whether a folder holds a run that came to its end: the table that closes the log is there."""
+    log = Path(folder) / "log.hotbedFoam"
+    return log.is_file() and "\n    whole run" in hotbed.ending(log)
+
+
+def done(folder, settings):
+    """Whether a folder holds a run with these settings, or a longer one."""
+    if not (Path(folder) / "settings").is_file():
+        return False
+    end = float(settings.get("endTime", "inf"))
+    if reached(folder) >= end * (1 - 1e-6):
+        return True
+    have = float(hotbed.read_settings(Path(folder) / "settings").get("endTime", "inf"))
+    return ended(folder) and have >= end * (1 - 1e-6)
+
+
+def run_all(case, folder, runs, at_once=2, ranks=1, keep_going=False):
     """Runs cases with each of the settings in `runs`, `at_once` at a time, as far as they are not done yet.
 
-    @return folders of the runs
+    @param keep_going  a run that fails is told and left out
+    @return folders of the runs, None for one that failed
     """
     def one(settings):
         target = Path(folder) / name(settings)
-        if reached(target) >= float(settings["endTime"]) * (1 - 1e-6):
+        if done(target, settings):
             return target
-        if reached(target) > 0:
-            hotbed.resume(target, settings, ranks)
-        else:
-            hotbed.prepare(case, target, settings, ranks=ranks, overwrite=True)
-        hotbed.run_case(target, ranks)
+        try:
+            if reached(target) > 0:
+                hotbed.resume(target, settings, ranks)
+            else:
+                hotbed.prepare(case, target, settings, ranks=ranks, overwrite=True)
+            hotbed.run_case(target, ranks)
+        except hotbed.CaseError as problem:
+            if not keep_going:
+                raise
+            print(f"left out: {problem}", file=sys.stderr)
+            return None
         return target
 
     with ThreadPoolExecutor(at_once) as pool:
         return list(pool.map(one, runs))
 
 
-def mean(bed, column, start, end, blocks=5):
-    """Mean of a column of bed.csv over time, and its standard error from the means of blocks of time."""
-    edges = np.linspace(start, end, blocks + 1)
+def blocks(start, end, count=5):
+    """Edges of blocks of time, in pairs."""
+    edges = np.linspace(start, end, count + 1)
+    return list(zip(edges, edges[1:]))
+
+
+def block_means(bed, column, start, end, count=5):
+    """Mean of a column of bed.csv over each block of time."""
     time = bed["time_s"]
-    values = [np.trapz(bed[column][inside], time[inside]) / np.ptp(time[inside])
-              for inside in ((time >= a) & (time <= b) for a, b in zip(edges, edges[1:]))]
-    return np.mean(values), np.std(values, ddof=1) / np.sqrt(blocks)
+    return np.array([np.trapz(bed[column][inside], time[inside]) / np.ptp(time[inside])
+                     for inside in ((time >= a) & (time <= b) for a, b in blocks(start, end, count))])
+
+
+def mean(bed, column, start, end, count=5):
+    """Mean of a column of bed.csv over time, and its standard error from the means of blocks of time."""
+    values = block_means(bed, column, start, end, count)
+    return np.mean(values), np.std(values, ddof=1) / np.sqrt(count)

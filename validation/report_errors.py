@@ -1,0 +1,159 @@
+"""Errors of a run against a reference run, or of the fixed bed against its exact solution, for report.py.
+
+Each comes with a bar: beds are chaotic, so two runs differ even where nothing is wrong. The bar is the half-width of the 95 %
+confidence interval, from blocks of time. An error below its bar is not known to be there: all that is known is `<= bar`.
+"""
+
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import t as student
+from scipy.stats import wasserstein_distance
+
+import campaign
+import paraview
+import results
+
+BLOCKS = 5
+CONFIDENCE = student.ppf(0.975, BLOCKS - 1)
+
+# figure -> (short name, what its error is relative to)
+FIGURES = {
+    "gas": ("gas temperature profile", "mean over the height of the difference to the exact solution, of the temperature step"),
+    "particles": ("particle temperature profile",
+                  "mean over the height of the difference to the exact solution, of the temperature step"),
+    "temperature": ("mean particle temperature", "of its change since the start, at the end"),
+    "nusselt": ("mean Nusselt number", "relative"),
+    "nusselt_pdf": ("PDF of the Nusselt number", "Wasserstein distance over the mean"),
+    "profile": ("axial temperature profile", "mean over the bed, of the change of the mean temperature"),
+    "height": ("bed height", "relative"),
+    "fluctuation": ("pressure-drop fluctuation", "standard deviation, relative"),
+}
+HEAT = ("gas", "particles", "temperature", "nusselt", "nusselt_pdf", "profile")
+
+
+class Error(namedtuple("Error", "value bar")):
+    """A relative error and its bar."""
+
+    @property
+    def known(self):
+        """What may be claimed: the error, or the bar where the error is less."""
+        return max(self.value, self.bar)
+
+    def __str__(self):
+        if self.value < self.bar:
+            return f"<= {self.bar:.2%}"
+        return f"{self.value:.2%} ± {self.bar:.2%}" if self.bar > 0 else f"{self.value:.3%}"
+
+
+def of_blocks(difference, scale):
+    """Error of a mean from the differences of its blocks."""
+    return Error(abs(np.mean(difference)) / scale,
+                 CONFIDENCE * np.std(difference, ddof=1) / np.sqrt(len(difference)) / scale)
+
+
+def against_exact(run):
+    """The fixed bed of Table 1: worst of the write times."""
+    from validate_fixed_bed import errors  # knows the example's files
+
+    rows = np.array(list(errors(run).values()))
+    return {"gas": Error(rows[:, 0].max(), 0.0), "particles": Error(rows[:, 2].max(), 0.0)}
+
+
+class Record:
+    """What is compared of a run: bed.csv, and particle dumps `... x y z ... f_Temp f_Nusselt` where the case writes them."""
+
+    def __init__(self, run):
+        self.bed = results.bed(run)
+        self.end = self.bed["time_s"][-1]
+        self.start = 0.4 * self.end  # means in time are taken from here on: the start from a lattice is left out
+        step = paraview.dem_timestep(run)
+        self.dumps = {}
+        for path in Path(run).glob("DEM/post/particles*.txt"):
+            number = path.stem[len("particles"):]
+            if number.isdigit() and int(number) * step >= self.start * (1 - 1e-9):
+                self.dumps[round(int(number) * step, 9)] = path
+        self.read = {}
+
+    def has(self, column):
+        return column in self.bed.dtype.names
+
+    def column(self, name):
+        """{time: values} of the dumps, empty where one has no such column."""
+        for time, path in self.dumps.items():
+            if time not in self.read:
+                dump = paraview.read_dump(path) or {}
+                self.read[time] = {c: dump[c] for c in ("z", "f_Temp", "f_Nusselt") if c in dump}
+        complete = all(name in dump for dump in self.read.values())
+        return {time: self.read[time][name] for time in sorted(self.read)} if complete else {}
+
+    def means(self, column):
+        return campaign.block_means(self.bed, column, self.start, self.end, BLOCKS)
+
+    def fluctuation(self):
+        """Standard deviation of the pressure drop over each block, on even times (gas steps vary)."""
+        values = []
+        for a, b in campaign.blocks(self.start, self.end, BLOCKS):
+            t = np.linspace(a, b, 200)
+            values.append(np.std(np.interp(t, self.bed["time_s"], self.bed["pressure_drop_Pa"])))
+        return np.array(values)
+
+    def changes(self):
+        """Change of the mean particle temperature over each of BLOCKS equal spans since the start."""
+        edges = np.linspace(0, self.end, BLOCKS + 1)
+        first = self.bed["T_mean_K"][0]
+        return np.diff(np.append(first, np.interp(edges[1:], self.bed["time_s"], self.bed["T_mean_K"])))
+
+
+def against_run(run, reference):
+    """{figure: Error} of one Record against another; figures that the case does not have are left out."""
+    errors = {}
+    if reference.has("T_mean_K"):
+        change = reference.changes()
+        drop = abs(change.sum())
+        if drop > 1e-6:
+            total = of_blocks(run.changes() - change, drop)
+            errors["temperature"] = Error(total.value * BLOCKS, total.bar * BLOCKS)
+        errors["nusselt"] = of_blocks(run.means("Nu_mean") - reference.means("Nu_mean"), reference.means("Nu_mean").mean())
+        pdf, profile = nusselt_pdf(run, reference), axial_profile(run, reference, drop)
+        errors.update({name: e for name, e in (("nusselt_pdf", pdf), ("profile", profile)) if e})
+    if reference.has("height_m"):
+        errors["height"] = of_blocks(run.means("height_m") - reference.means("height_m"), reference.means("height_m").mean())
+        fluctuation = reference.fluctuation()
+        errors["fluctuation"] = of_blocks(run.fluctuation() - fluctuation, fluctuation.mean())
+    return errors
+
+
+def nusselt_pdf(run, reference):
+    """Wasserstein distance of the Nusselt numbers of all particles in all dumps, over their mean. Bar: a run's even dumps
+    against its odd ones, scaled from halves to wholes."""
+    samples = [list(record.column("f_Nusselt").values()) for record in (run, reference)]
+    if min(map(len, samples)) < 4:
+        return None
+    mean = np.concatenate(samples[1]).mean()
+    noise = [wasserstein_distance(np.concatenate(s[::2]), np.concatenate(s[1::2])) for s in samples]
+    distance = wasserstein_distance(*(np.concatenate(s) for s in samples))
+    return Error(distance / mean, 2 * np.hypot(*noise) / 2 / mean)
+
+
+def axial_profile(run, reference, drop, layers=40):
+    """Difference of the mean temperature of layers, weighted with the particles in them. Bar: from blocks of dumps."""
+    z, times = reference.column("z"), sorted(set(reference.column("f_Temp")) & set(run.column("f_Temp")))
+    if drop <= 1e-6 or len(times) < BLOCKS or not z or not run.column("z"):
+        return None
+    edges = np.linspace(0, np.percentile(np.concatenate(list(z.values())), 99), layers + 1)
+    differences = []
+    for block in np.array_split(times, BLOCKS):
+        sums = []
+        for record in (run, reference):
+            height, value = (np.concatenate([record.column(c)[t] for t in block]) for c in ("z", "f_Temp"))
+            count = np.histogram(height, edges)[0]
+            with np.errstate(invalid="ignore", divide="ignore"):
+                sums.append(np.histogram(height, edges, weights=value)[0] / count)
+        differences.append(sums[0] - sums[1])
+    differences = np.array(differences)
+    weight = np.histogram(np.concatenate(list(z.values())), edges)[0] * np.isfinite(differences).all(axis=0)
+    differences = np.nan_to_num(differences)
+    bar = CONFIDENCE * np.std(differences, axis=0, ddof=1) / np.sqrt(BLOCKS)
+    return Error(np.average(abs(differences.mean(axis=0)), weights=weight) / drop, np.average(bar, weights=weight) / drop)
