@@ -63,20 +63,10 @@ def run_all(case, folder, runs, at_once=2, ranks=1, keep_going=False):
         return list(pool.map(one, runs))
 
 
-def blocks(start, end, count=5):
-    """Edges of blocks of time, in pairs."""
-    edges = np.linspace(start, end, count + 1)
-    return list(zip(edges, edges[1:]))
-
-
-def block_means(bed, column, start, end, count=5):
-    """Mean of a column of bed.csv over each block of time."""
-    time = bed["time_s"]
-    return np.array([np.trapz(bed[column][inside], time[inside]) / np.ptp(time[inside])
-                     for inside in ((time >= a) & (time <= b) for a, b in blocks(start, end, count))])
-
-
-def mean(bed, column, start, end, count=5):
+def mean(bed, column, start, end, blocks=5):
     """Mean of a column of bed.csv over time, and its standard error from the means of blocks of time."""
-    values = block_means(bed, column, start, end, count)
-    return np.mean(values), np.std(values, ddof=1) / np.sqrt(count)
+    edges = np.linspace(start, end, blocks + 1)
+    time = bed["time_s"]
+    values = [np.trapz(bed[column][inside], time[inside]) / np.ptp(time[inside])
+              for inside in ((time >= a) & (time <= b) for a, b in zip(edges, edges[1:]))]
+    return np.mean(values), np.std(values, ddof=1) / np.sqrt(blocks)

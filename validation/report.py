@@ -13,6 +13,8 @@ import shlex
 import sys
 from pathlib import Path
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"
 sys.path[:0] = [str(ROOT / "cfd_solver"), str(EXAMPLES / "fixed_bed")]
@@ -42,10 +44,12 @@ FIXED_BED = {
         "plain reading": vary("l", "1", "1.5", "2", "2.5", temperatureGradient="off"),
         "kernel": vary("kernelWidth", "2", "4") + vary("windowLength", "1.5e-3", "4e-3"),
         "cells": vary("cellsHeight", "50", "200"),
+        "cells, plain exchange": vary("cellsHeight", "200", exchange="implicit"),
     },
 }
 FIXED_BED_QUICK = {**FIXED_BED, "common": {"height": "0.075", "cellsHeight": "50", "endTime": "1.5", "writeInterval": "0.5"},
-                   "groups": {**FIXED_BED["groups"], "cells": vary("cellsHeight", "25", "100")}}
+                   "groups": {**FIXED_BED["groups"], "cells": vary("cellsHeight", "25", "100"),
+                              "cells, plain exchange": vary("cellsHeight", "100", exchange="implicit")}}
 SLIM_BED = {
     "common": {"endTime": "0.5", "writeInterval": "0.02"}, "reference": {"l": "1"},
     "groups": {
@@ -116,9 +120,9 @@ def runs_of(case, scene):
     return rows
 
 
-def fingerprint(case):
-    """Of what a run takes from a case: runs of an edited case are other runs."""
-    digest = hashlib.sha256()
+def fingerprint(case, common):
+    """Of what all runs take from the case and have in common: runs of an edited case are other runs."""
+    digest = hashlib.sha256(repr(sorted(common.items())).encode())
     for path in sorted(p for folder in ("0", "constant", "system", "DEM", "settings") for p in
                        ([case / folder] if (case / folder).is_file() else (case / folder).rglob("*"))):
         if path.is_file() and "post" not in path.parts:
@@ -157,7 +161,7 @@ def evaluate(rows, exact):
         r["seconds"] = run_seconds(r["folder"])
         r["errors"] = (report_errors.against_exact(r["folder"]) if exact else
                        report_errors.against_run(report_errors.Record(r["folder"]), reference))
-    figures = [f for f in report_errors.FIGURES if all(f in r["errors"] for r in done)]
+    figures = [f for f in report_errors.FIGURES if all(f in r["errors"] and np.isfinite(r["errors"][f].known) for r in done)]
     heat = [f for f in figures if f in report_errors.HEAT] or figures
     if not heat:
         raise CaseError("these runs have no figure in common: bed.csv has neither temperatures nor a bed height")
@@ -208,7 +212,7 @@ def make(case, scene, exact, options):
     folder.mkdir(parents=True, exist_ok=True)
     print(f"{len(rows)} runs in {folder}, {options.at_once} at a time; those that are there already are taken as they are",
           flush=True)
-    found = campaign.run_all(case, folder / f"runs-{fingerprint(case)}", [{**scene["common"], **r["changes"]} for r in rows],
+    found = campaign.run_all(case, folder / f"runs-{fingerprint(case, scene["common"])}", [{**scene["common"], **r["changes"]} for r in rows],
                              options.at_once, keep_going=True)
     for r, run in zip(rows, found):
         r["folder"], r["label"] = run, " ".join(f"{n}={v}" for n, v in r["changes"].items()) or "as the case stands"
@@ -216,13 +220,18 @@ def make(case, scene, exact, options):
     done = [r for r in rows if r["folder"]]
     best = {f: {bound: cheapest(done, bound, [f]) for bound in (0.01, 0.05)} for f in figures}
     best["heat"] = {bound: cheapest(done, bound, heat) for bound in (0.01, 0.05)}
-    report = {"case": case.name, "quick": options.quick, "exact": exact, "command": " ".join(map(shlex.quote, sys.argv)),
+    report = {"case": case.name, "path": relative(case), "quick": options.quick, "exact": exact, "command": " ".join(map(shlex.quote, sys.argv)),
               "machine": results.machine(), "versions": results.versions(), "common": scene["common"],
               "at_once": options.at_once, "figures": figures, "heat": heat, "rows": rows, "best": best}
     report["sentence"] = report_page.sentence(report)
     report_page.write(report, folder)
     (folder / "report.json").write_text(json.dumps(plain(report), indent=1) + "\n")
     print(f"{report['sentence']}\n{folder}/index.html")
+
+
+def relative(path):
+    """As it is written on the command line in Hotbed's own folder."""
+    return str(path.relative_to(ROOT)) if path.is_relative_to(ROOT) else str(path)
 
 
 def plain(report):

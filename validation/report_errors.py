@@ -11,7 +11,6 @@ import numpy as np
 from scipy.stats import t as student
 from scipy.stats import wasserstein_distance
 
-import campaign
 import paraview
 import results
 
@@ -20,9 +19,8 @@ CONFIDENCE = student.ppf(0.975, BLOCKS - 1)
 
 # figure -> (short name, what its error is relative to)
 FIGURES = {
-    "gas": ("gas temperature profile", "mean over the height of the difference to the exact solution, of the temperature step"),
-    "particles": ("particle temperature profile",
-                  "mean over the height of the difference to the exact solution, of the temperature step"),
+    "gas": ("gas temperature", "mean over the height of the difference to the exact solution, of the temperature step"),
+    "particles": ("particle temperature", "mean over the height of the difference to the exact solution, of the temperature step"),
     "temperature": ("mean particle temperature", "of its change since the start, at the end"),
     "nusselt": ("mean Nusselt number", "relative"),
     "nusselt_pdf": ("PDF of the Nusselt number", "Wasserstein distance over the mean"),
@@ -51,6 +49,12 @@ def of_blocks(difference, scale):
     """Error of a mean from the differences of its blocks."""
     return Error(abs(np.mean(difference)) / scale,
                  CONFIDENCE * np.std(difference, ddof=1) / np.sqrt(len(difference)) / scale)
+
+
+def of_means(run, reference, column, statistic):
+    """Relative error of a statistic of a column of bed.csv, taken over each block of time."""
+    values = [statistic(record.blocks(column), axis=1) for record in (run, reference)]
+    return of_blocks(values[0] - values[1], values[1].mean())
 
 
 def against_exact(run):
@@ -88,16 +92,10 @@ class Record:
         complete = all(name in dump for dump in self.read.values())
         return {time: self.read[time][name] for time in sorted(self.read)} if complete else {}
 
-    def means(self, column):
-        return campaign.block_means(self.bed, column, self.start, self.end, BLOCKS)
-
-    def fluctuation(self):
-        """Standard deviation of the pressure drop over each block, on even times (gas steps vary)."""
-        values = []
-        for a, b in campaign.blocks(self.start, self.end, BLOCKS):
-            t = np.linspace(a, b, 200)
-            values.append(np.std(np.interp(t, self.bed["time_s"], self.bed["pressure_drop_Pa"])))
-        return np.array(values)
+    def blocks(self, column):
+        """Values of bed.csv at even times (its lines are not), [BLOCKS, 200]."""
+        times = np.linspace(self.start, self.end, 200 * BLOCKS)
+        return np.interp(times, self.bed["time_s"], self.bed[column]).reshape(BLOCKS, 200)
 
     def changes(self):
         """Change of the mean particle temperature over each of BLOCKS equal spans since the start."""
@@ -115,13 +113,12 @@ def against_run(run, reference):
         if drop > 1e-6:
             total = of_blocks(run.changes() - change, drop)
             errors["temperature"] = Error(total.value * BLOCKS, total.bar * BLOCKS)
-        errors["nusselt"] = of_blocks(run.means("Nu_mean") - reference.means("Nu_mean"), reference.means("Nu_mean").mean())
+        errors["nusselt"] = of_means(run, reference, "Nu_mean", np.mean)
         pdf, profile = nusselt_pdf(run, reference), axial_profile(run, reference, drop)
         errors.update({name: e for name, e in (("nusselt_pdf", pdf), ("profile", profile)) if e})
     if reference.has("height_m"):
-        errors["height"] = of_blocks(run.means("height_m") - reference.means("height_m"), reference.means("height_m").mean())
-        fluctuation = reference.fluctuation()
-        errors["fluctuation"] = of_blocks(run.fluctuation() - fluctuation, fluctuation.mean())
+        errors["height"] = of_means(run, reference, "height_m", np.mean)
+        errors["fluctuation"] = of_means(run, reference, "pressure_drop_Pa", np.std)
     return errors
 
 

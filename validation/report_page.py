@@ -9,6 +9,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from report_errors import FIGURES
@@ -31,6 +32,7 @@ tr.group td { background: #f4f4f5; font-weight: 600; border-top: 1px solid #aaa;
 .group span { position: sticky; left: .6rem; }
 tr.front td { font-weight: 600; } td.unknown { color: #6b6b70; font-weight: 400; }
 dt { font-weight: 600; } dd { margin: 0 0 .4rem 1rem; } small, .fine { font-size: .85rem; color: #444; }
+@media (max-width: 600px) { th, td { padding: .25rem .3rem; } td.name { min-width: 5.5rem; overflow-wrap: anywhere; } }
 code { overflow-wrap: anywhere; }
 """
 
@@ -56,21 +58,39 @@ def against(report):
     return "the exact solution" if report["exact"] else f"the reference run ({report['rows'][0]['label']})"
 
 
+def compared(report):
+    """The figures that the answer is about."""
+    names = [FIGURES[f][0] for f in report["heat"]]
+    return " and ".join(names) if len(names) < 3 else "all heat figures"
+
+
 def sentence(report):
     """The answer: the cheapest setting within 5 and within 1 %."""
-    compared = "all heat figures" if len(report["heat"]) > 1 else FIGURES[report["heat"][0]][0]
     slowest = max((r for r in report["rows"] if r["folder"]), key=lambda r: r["seconds"])
-    parts = []
-    for bound in (0.05, 0.01):
-        best = report["best"]["heat"][bound]
+
+    def named(bounds, best):
+        within = " and ".join(f"within {100 * b:g} %" for b in bounds)
         if best is None:
-            parts.append(f"within {bound:.0%} none is known to be")
-        else:
-            ratio = slowest["seconds"] / best["seconds"]
-            faster = f", {ratio:.2g} times faster than the slowest run" if best is not slowest else ""
-            parts.append(f"the cheapest within {bound:.0%} is {best['label']} ({seconds(best['seconds'])}{faster})")
-    text = f"In {compared}, against {against(report)}: {'; '.join(parts)}."
-    return text
+            return f"{within} none is known to be"
+        ratio = slowest["seconds"] / best["seconds"]
+        faster = f", {ratio:.2g} times faster than the slowest run" if best is not slowest else ""
+        return f"the cheapest {within} is {best['label']} ({seconds(best['seconds'])}{faster})"
+
+    best = report["best"]["heat"]
+    parts = ([named((0.05, 0.01), best[0.05])] if best[0.05] is best[0.01] else
+             [named((bound,), best[bound]) for bound in (0.05, 0.01)])
+    return f"In {compared(report)}, against {against(report)}: {'; '.join(parts)}."
+
+
+def commands(report):
+    """How to run the cheapest settings."""
+    best = {r["label"]: r for r in report["best"]["heat"].values() if r}
+    lines = []
+    for r in best.values():
+        changes = {**report["common"], **r["changes"]}
+        lines.append(f"./hotbed run {report['path']}" + (" --set " if changes else "") +
+                     " ".join(f"{n}={v}" for n, v in changes.items()))
+    return "".join(f"<p class='fine'><code>{html.escape(line)}</code></p>" for line in lines)
 
 
 def looks(report):
@@ -93,7 +113,8 @@ def number(axis, points, taken):
                                               for t in taken) + 0.01 * np.hypot(*o))
         taken.append(spot + scale * np.array(best))
         far = np.hypot(*best) > 12
-        axis.annotate(text, (x, y), best, textcoords="offset points", ha="center", va="center", fontsize=8, weight=weight,
+        axis.annotate(text, (x, y), best, textcoords="offset points", ha="center", va="center", fontsize=8, weight=weight, zorder=5,
+                      path_effects=[withStroke(linewidth=2.5, foreground="white")],
                       arrowprops=dict(arrowstyle="-", lw=0.5, color="0.5", shrinkA=0, shrinkB=3) if far else None)
 
 
@@ -122,11 +143,12 @@ def plot(axis, report, error, numbers, title=None):
         axis.axvline(reference, color="0.5", ls=":", lw=1.2)
     levels = [v[0] for v in values.values()]
     axis.set_xlim(min(times) / 1.25, max(times) * 1.25)
-    axis.set_ylim(min(levels) / 2, max(max(levels) * 2, 0.013))
+    axis.set_ylim(min(min(levels), 0.01) / 2, max(max(levels) * 2, 0.08))
     low, high = axis.get_ylim()
     for bound in (0.01, 0.05):
-        if low < bound < high:
-            axis.axhline(bound, color="0.75", lw=1, zorder=0)
+        axis.axhline(bound, color="0.65", lw=1, zorder=0)
+        axis.annotate(f"{bound:.0%}", (1, bound), (-2, 2), xycoords=("axes fraction", "data"), textcoords="offset points",
+                      ha="right", va="bottom", fontsize=7, color="0.4")
     axis.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{100 * y:g} %"))
     axis.yaxis.set_minor_formatter(NullFormatter())
     if high / low < 30:  # decades alone would be too few
@@ -150,7 +172,9 @@ def legend(figure, report, columns):
         handles.append(plt.Line2D([], [], color="0.3", marker="o", mfc="white", ls="", ms=6, label="at most: bar larger than error"))
     if not report["exact"]:
         handles.append(plt.Line2D([], [], color="0.5", ls=":", label="time of the reference"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
+    figure.legend(handles=handles, loc="lower center", ncols=columns, fontsize=8, frameon=False, columnspacing=1.2)
+    below = (0.19 * -(-len(handles) // columns) + 0.15) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, below, 1, 1 - below))
 
 
 def pictures(report, folder):
@@ -225,7 +249,7 @@ def cheapest_table(report):
     out = ['<div class="wide"><table><tr><th class="text">figure</th><th class="text">cheapest within 5 %</th>'
            '<th class="text">cheapest within 1 %</th></tr>']
     for f in ["heat"] * (len(report["heat"]) > 1) + report["figures"]:
-        out.append(f'<tr><td class="text">{FIGURES[f][0] if f in FIGURES else "all heat figures"}</td>')
+        out.append(f'<tr><td class="text name">{FIGURES[f][0] if f in FIGURES else compared(report)}</td>')
         for bound in (0.05, 0.01):
             r = report["best"][f][bound]
             out.append('<td class="text name">' + (f'{html.escape(r["label"])} <small>({seconds(r["seconds"])})</small>' if r
@@ -247,7 +271,6 @@ def write(report, folder):
         " Two runs of a chaotic bed differ even where nothing is wrong: <b>±</b> is the half-width of the 95 % confidence "
         "interval, from blocks of time. An error below its bar is written <b>≤ bar</b> (open symbols, arrow down): nothing more "
         "is known, and nothing more is claimed. Longer runs make the bars smaller.")
-    names = " and ".join(FIGURES[f][0] for f in report["heat"]) if len(report["heat"]) < 3 else "all heat figures"
     versions = ", ".join(f"{n} {v}" for n, v in report["versions"].items())
     title = f"Error against run time: {report['case'].replace('_', ' ')}{', quick' if report['quick'] else ''}"
     page = f"""<!DOCTYPE html>
@@ -255,10 +278,12 @@ def write(report, folder):
 <title>{html.escape(title)}</title><style>{STYLE}</style></head><body>
 <h1>{html.escape(title)}</h1>
 <p class="answer">{html.escape(report["sentence"])}</p>
+{commands(report)}
 <h2>Which settings are worth their cost</h2>
 {image(paths["front"], "largest heat error over run time")}
-<p class="fine">Error: the largest one of {html.escape(names)}, against {html.escape(against(report))}. Numbers are those of the
-table of runs; bold ones lie on the front: no other run is both cheaper and better. Grey lines: 5 % and 1 %.</p>
+<p class="fine">Error: the largest one of {html.escape(compared(report))}, against {html.escape(against(report))}. Numbers are those of the
+table of runs; bold ones lie on the front: no other run is both cheaper and better. Errors of
+different origin can cancel: what is better than a finer run here need not be so with other cells.</p>
 <h2>Cheapest for each figure</h2>
 {cheapest_table(report)}
 <h2>All runs</h2>
