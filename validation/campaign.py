@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+import results
 import run as hotbed
 
 
@@ -57,6 +58,7 @@ def run_all(case, folder, runs, at_once=2, ranks=1, keep_going=False):
                 raise
             print(f"left out: {problem}", file=sys.stderr)
             return None
+        print(f"done: {target.name}, {results.wall_time(target):.0f} s", flush=True)
         return target
 
     with ThreadPoolExecutor(at_once) as pool:

@@ -1,9 +1,12 @@
 """Errors of a run against a reference run, or of the fixed bed against its exact solution, for report.py.
 
 Each comes with a bar: beds are chaotic, so two runs differ even where nothing is wrong. The bar is the half-width of the 95 %
-confidence interval, from blocks of time. An error below its bar is not known to be there: all that is known is `<= bar`.
+confidence interval from blocks of time, or, where there are repeats, twice what they differ by if that is more: blocks that are
+shorter than the bed's memory make too little of it. An error below its bar is not known to be there: all that is known is
+`<= bar`.
 """
 
+import itertools
 from collections import namedtuple
 from pathlib import Path
 
@@ -19,14 +22,14 @@ CONFIDENCE = student.ppf(0.975, BLOCKS - 1)
 
 # figure -> (short name, what its error is relative to)
 FIGURES = {
-    "gas": ("gas temperature", "mean over the height of the difference to the exact solution, of the temperature step"),
-    "particles": ("particle temperature", "mean over the height of the difference to the exact solution, of the temperature step"),
-    "temperature": ("mean particle temperature", "of its change since the start, at the end"),
-    "nusselt": ("mean Nusselt number", "relative"),
-    "nusselt_pdf": ("PDF of the Nusselt number", "Wasserstein distance over the mean"),
-    "profile": ("axial temperature profile", "mean over the bed, of the change of the mean temperature"),
-    "height": ("bed height", "relative"),
-    "fluctuation": ("pressure-drop fluctuation", "standard deviation, relative"),
+    "gas": ("gas temperature", "mean difference over the height, over the temperature step, worst of the write times"),
+    "particles": ("particle temperature", "the same for the layers of particles"),
+    "temperature": ("mean particle temperature", "difference at the end, over the change since the start"),
+    "nusselt": ("mean Nusselt number", "difference over the value of the reference"),
+    "nusselt_pdf": ("PDF of the Nusselt number", "Wasserstein distance over the mean, all particles in all dumps"),
+    "profile": ("axial temperature profile", "mean difference of the layers, over the change of the mean temperature"),
+    "height": ("bed height", "difference over the value of the reference"),
+    "fluctuation": ("pressure-drop fluctuation", "difference of the standard deviation, over that of the reference"),
 }
 HEAT = ("gas", "particles", "temperature", "nusselt", "nusselt_pdf", "profile")
 
@@ -38,11 +41,6 @@ class Error(namedtuple("Error", "value bar")):
     def known(self):
         """What may be claimed: the error, or the bar where the error is less."""
         return max(self.value, self.bar)
-
-    def __str__(self):
-        if self.value < self.bar:
-            return f"<= {self.bar:.2%}"
-        return f"{self.value:.2%} ± {self.bar:.2%}" if self.bar > 0 else f"{self.value:.3%}"
 
 
 def of_blocks(difference, scale):
@@ -120,6 +118,12 @@ def against_run(run, reference):
         errors["height"] = of_means(run, reference, "height_m", np.mean)
         errors["fluctuation"] = of_means(run, reference, "pressure_drop_Pa", np.std)
     return errors
+
+
+def spread(records):
+    """{figure: twice the root mean square of the differences} between runs that should not differ."""
+    pairs = [against_run(a, b) for a, b in itertools.combinations(records, 2)]
+    return {f: 2 * np.sqrt(np.mean([p[f].value**2 for p in pairs])) for f in (pairs[0] if pairs else ())}
 
 
 def nusselt_pdf(run, reference):

@@ -23,8 +23,8 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #1d1d1f; background: #fff; m
 h1 { font-size: 1.6rem; line-height: 1.2; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
 .answer { background: #eef4f8; border-left: 4px solid #0072b2; padding: .7rem 1rem; overflow-wrap: anywhere; }
 img { max-width: 100%; height: auto; display: block; margin: 0 auto; }
-.wide { overflow-x: auto; } table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .25rem .6rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #ddd; }
+.wide { overflow-x: auto; } table { border-collapse: collapse; font-size: .82rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .45rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #ddd; }
 th { vertical-align: bottom; white-space: normal; min-width: 4.5rem; }
 th.text, td.text { text-align: left; } td.name { white-space: normal; min-width: 9rem; }
 th.number { min-width: 0; }
@@ -50,7 +50,7 @@ def shown(error):
     """An error as the tables show it."""
     if error.value < error.bar:
         return f"≤ {percent(error.bar)}"
-    return f"{percent(error.value)} ± {percent(error.bar)}" if error.bar > 0 else percent(error.value)
+    return f"{percent(error.value)[:-2]} ± {percent(error.bar)}" if error.bar > 0 else percent(error.value)
 
 
 def against(report):
@@ -100,6 +100,15 @@ def looks(report):
             for n, g in enumerate(g for g in groups if g != "reference")}
 
 
+def front(rows, error):
+    """The runs that have none both cheaper and better, by time."""
+    rows = [r for r in rows if r["folder"] and r["choice"]]
+    return sorted((r for r in rows if not any(
+        o["seconds"] <= r["seconds"] and error(o) <= error(r) and (o["seconds"], error(o)) != (r["seconds"], error(r))
+        for o in rows)),
+                  key=lambda r: r["seconds"])
+
+
 def number(axis, points, taken):
     """Writes each point's number beside it, where it hides least. @param points [(x, y, text, weight)]"""
     figure = axis.figure
@@ -113,8 +122,8 @@ def number(axis, points, taken):
                                               for t in taken) + 0.01 * np.hypot(*o))
         taken.append(spot + scale * np.array(best))
         far = np.hypot(*best) > 12
-        axis.annotate(text, (x, y), best, textcoords="offset points", ha="center", va="center", fontsize=8, weight=weight, zorder=5,
-                      path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        axis.annotate(text, (x, y), best, textcoords="offset points", ha="center", va="center", fontsize=8, weight=weight,
+                      zorder=5, path_effects=[withStroke(linewidth=2.5, foreground="white")],
                       arrowprops=dict(arrowstyle="-", lw=0.5, color="0.5", shrinkA=0, shrinkB=3) if far else None)
 
 
@@ -130,9 +139,7 @@ def plot(axis, report, error, numbers, title=None):
             if not known:
                 axis.annotate("", (r["seconds"], y), (0, -14), textcoords="offset points",
                               arrowprops=dict(arrowstyle="<-", lw=1, color=colour, shrinkB=4), zorder=2)
-    best = sorted((r for r in rows if not any(
-        o is not r and o["seconds"] <= r["seconds"] and values[id(o)][0] <= values[id(r)][0] for o in rows)),
-        key=lambda r: r["seconds"])
+    best = front(report["rows"], lambda r: values[id(r)][0])
     if best:
         axis.step([r["seconds"] for r in best], [values[id(r)][0] for r in best], where="post", color="0.6", lw=1.6, zorder=1)
     axis.set(xscale="log", yscale="log")
@@ -153,8 +160,12 @@ def plot(axis, report, error, numbers, title=None):
     axis.yaxis.set_minor_formatter(NullFormatter())
     if high / low < 30:  # decades alone would be too few
         axis.yaxis.set_minor_formatter(FuncFormatter(lambda y, _: f"{100 * y:g} %" if f"{y:e}"[0] in "25" else ""))
-    ticks = [m * 10.0**e for e in range(-2, 6) for m in (1, 2, 5) if axis.get_xlim()[0] <= m * 10.0**e <= axis.get_xlim()[1]]
-    axis.set_xticks(ticks if len(ticks) < 7 else [t for t in ticks if f"{t:e}"[0] == "1"])
+    first, last = axis.get_xlim()
+    for digits in ([1], [1, 3], [1, 2, 5], np.arange(1, 10), np.arange(1, 10, 0.5)):
+        ticks = [m * 10.0**e for e in range(-2, 7) for m in digits if first <= m * 10.0**e <= last]
+        if len(ticks) > 2:
+            break
+    axis.set_xticks(ticks)
     axis.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axis.xaxis.set_minor_formatter(NullFormatter())
     axis.grid(alpha=0.2, which="both", lw=0.5)
@@ -169,7 +180,7 @@ def legend(figure, report, columns):
     handles = [plt.Line2D([], [], color=c, marker=m, ls="", ms=6, label=g) for g, (c, m) in looks(report).items()]
     handles.append(plt.Line2D([], [], color="0.6", lw=1.6, label="front: none cheaper and better"))
     if any(r["folder"] and not r["known"] for r in report["rows"]):
-        handles.append(plt.Line2D([], [], color="0.3", marker="o", mfc="white", ls="", ms=6, label="at most: bar larger than error"))
+        handles.append(plt.Line2D([], [], color="0.3", marker="o", mfc="white", ls="", ms=6, label="at most: error below bar"))
     if not report["exact"]:
         handles.append(plt.Line2D([], [], color="0.5", ls=":", label="time of the reference"))
     figure.legend(handles=handles, loc="lower center", ncols=columns, fontsize=8, frameon=False, columnspacing=1.2)
@@ -202,7 +213,7 @@ def pictures(report, folder):
                 continue
             plot(axis, report, lambda r: (r["errors"][f].known, r["errors"][f].value >= r["errors"][f].bar), False,
                  FIGURES[f][0])
-            axis.tick_params(labelsize=8)
+            axis.tick_params(labelsize=8, which="both")
         for axis in axes[-1]:
             axis.set_xlabel("run time [s]", fontsize=9)
         made[name] = figure
@@ -223,19 +234,23 @@ def image(paths, text):
 def table(report):
     """All runs, by group."""
     out = ['<div class="wide"><table><tr><th class="number">#</th><th class="text">changed</th><th>run time</th>']
+    contact = all(r["contact"] for r in report["rows"] if r["folder"])
+    out += ["<th>DEM steps a contact</th>"] * contact
     out += [f"<th>{FIGURES[f][0]}</th>" for f in report["figures"]] + ["</tr>"]
     before = None
     for r in report["rows"]:
         if r["group"] != before:
             before = r["group"]
-            out.append(f'<tr class="group"><td class="text" colspan="{3 + len(report["figures"])}">'
+            out.append(f'<tr class="group"><td class="text" colspan="{3 + contact + len(report["figures"])}">'
                        f'<span>{html.escape(before)}</span></td></tr>')
         if not r["folder"]:
             out.append(f'<tr><td>{r["number"]}</td><td class="text name">{html.escape(r["label"])}</td>'
-                       f'<td class="text" colspan="{1 + len(report["figures"])}">the run failed</td></tr>')
+                       f'<td class="text" colspan="{1 + contact + len(report["figures"])}">the run failed</td></tr>')
             continue
         out.append(f'<tr{" class=front" if r["front"] else ""}><td>{r["number"]}</td>'
                    f'<td class="text name">{html.escape(r["label"])}</td><td>{seconds(r["seconds"])}</td>')
+        if contact:
+            out.append(f'<td>{r["contact"]:.3g}</td>')
         for f in report["figures"]:
             e = r["errors"][f]
             out.append("<td>-</td>" if r["group"] == "reference" else
@@ -269,8 +284,9 @@ def write(report, folder):
     figures = "".join(f"<dt>{FIGURES[f][0]}</dt><dd>{FIGURES[f][1]}</dd>" for f in report["figures"])
     bars = "" if report["exact"] else (
         " Two runs of a chaotic bed differ even where nothing is wrong: <b>±</b> is the half-width of the 95 % confidence "
-        "interval, from blocks of time. An error below its bar is written <b>≤ bar</b> (open symbols, arrow down): nothing more "
-        "is known, and nothing more is claimed. Longer runs make the bars smaller.")
+        "interval from blocks of time, and not less than twice what repeats of the case differ by. An error below its bar is "
+        "written <b>≤ bar</b> (open symbols, arrow down): nothing more is known, and nothing more is claimed. Longer runs make "
+        "the bars smaller.")
     versions = ", ".join(f"{n} {v}" for n, v in report["versions"].items())
     title = f"Error against run time: {report['case'].replace('_', ' ')}{', quick' if report['quick'] else ''}"
     page = f"""<!DOCTYPE html>
@@ -281,9 +297,9 @@ def write(report, folder):
 {commands(report)}
 <h2>Which settings are worth their cost</h2>
 {image(paths["front"], "largest heat error over run time")}
-<p class="fine">Error: the largest one of {html.escape(compared(report))}, against {html.escape(against(report))}. Numbers are those of the
-table of runs; bold ones lie on the front: no other run is both cheaper and better. Errors of
-different origin can cancel: what is better than a finer run here need not be so with other cells.</p>
+<p class="fine">Error: the largest one of {html.escape(compared(report))}, against
+{html.escape(against(report))}. Numbers are those of the table of runs; bold ones lie on the front: no other run is both cheaper
+and better. Errors of different origin can cancel: what is better than a finer run here need not be so with other cells.</p>
 <h2>Cheapest for each figure</h2>
 {cheapest_table(report)}
 <h2>All runs</h2>
@@ -295,8 +311,8 @@ Bold: on the front.</p>
 <h2>How to read it</h2>
 <p>Errors are against {html.escape(against(report))}.{bars}</p>
 <dl>{figures}</dl>
-<p>Run time is the wall time of the solver from start to end, on one core, with {report["at_once"]} run{"s" * (report["at_once"] > 1)} at a
-time. A run that was stopped and went on counts with the pace of its last piece.</p>
+<p>Run time is the wall time of the solver from start to end, on one core, with {report["at_once"]}
+run{"s" * (report["at_once"] > 1)} at a time. A run that was stopped and went on counts with the pace of its last piece.</p>
 <p class="fine">Made by <code>{html.escape(report["command"])}</code> on {html.escape(report["machine"])};
 {html.escape(versions)}.</p>
 </body></html>
