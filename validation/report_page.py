@@ -285,8 +285,8 @@ def write(report, folder):
     bars = "" if report["exact"] else (
         " Two runs of a chaotic bed differ even where nothing is wrong: <b>±</b> is the half-width of the 95 % confidence "
         "interval from blocks of time, and not less than twice what repeats of the case differ by. An error below its bar is "
-        "written <b>≤ bar</b> (open symbols, arrow down): nothing more is known, and nothing more is claimed. Longer runs make "
-        "the bars smaller.")
+        "written <b>≤ bar</b> (open symbols, arrow down): nothing more is known, and nothing more is claimed. Longer runs "
+        "make the bars smaller.")
     versions = ", ".join(f"{n} {v}" for n, v in report["versions"].items())
     title = f"Error against run time: {report['case'].replace('_', ' ')}{', quick' if report['quick'] else ''}"
     page = f"""<!DOCTYPE html>
