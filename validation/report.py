@@ -41,17 +41,20 @@ FIXED_BED = {
     "groups": {
         "as the case stands": [{}],
         "ratio l": vary("l", "1", "1.5", "2.5"),
-        "gas step": vary("deltaT", "1.25e-3", "5e-3", "1e-2"),
-        "plain exchange": vary("deltaT", "1.25e-3", "2.5e-3", "5e-3", "1e-2", exchange="implicit"),
+        "gas step": vary("deltaT", "1.25e-3", "5e-3", "1e-2", "2e-2"),
+        "plain exchange": vary("deltaT", "1.25e-3", "2.5e-3", "5e-3", "1e-2", "2e-2", exchange="implicit"),
         "plain reading": vary("l", "1", "1.5", "2", "2.5", temperatureGradient="off"),
         "kernel": vary("kernelWidth", "2", "4") + vary("windowLength", "1.5e-3", "4e-3"),
         "cells": vary("cellsHeight", "50", "200"),
         "cells, plain exchange": vary("cellsHeight", "200", exchange="implicit"),
+        "several": [{"l": "2.5", "deltaT": "1e-2"}, {"l": "2.5", "deltaT": "1e-2", "cellsHeight": "50"}],
     },
 }
 FIXED_BED_QUICK = {**FIXED_BED, "common": {"height": "0.075", "cellsHeight": "50", "endTime": "1.5", "writeInterval": "0.5"},
                    "groups": {**FIXED_BED["groups"], "cells": vary("cellsHeight", "25", "100"),
-                              "cells, plain exchange": vary("cellsHeight", "100", exchange="implicit")}}
+                              "cells, plain exchange": vary("cellsHeight", "100", exchange="implicit"),
+                              "several": [{"l": "2.5", "deltaT": "1e-2"},
+                                          {"l": "2.5", "deltaT": "1e-2", "cellsHeight": "25"}]}}
 REPEATS = vary("u0", "0.2000002", "0.1999998")  # means nothing, but a chaotic bed takes another course
 SLIM_BED = {
     "common": {"endTime": "0.5", "writeInterval": "0.02"}, "reference": {"l": "1"},

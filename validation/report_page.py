@@ -14,8 +14,8 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from report_errors import FIGURES
 
-COLOURS = ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f6a00", "#882255"]
-MARKERS = "oDs^vPX<>"
+COLOURS = ["#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f6a00", "#882255", "#888888"]
+MARKERS = "oDs^vPX<>p"
 
 STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1d1d1f; background: #fff; max-width: 1080px; margin: 0 auto;
@@ -32,7 +32,8 @@ tr.group td { background: #f4f4f5; font-weight: 600; border-top: 1px solid #aaa;
 .group span { position: sticky; left: .6rem; }
 tr.front td { font-weight: 600; } td.unknown { color: #6b6b70; font-weight: 400; }
 dt { font-weight: 600; } dd { margin: 0 0 .4rem 1rem; } small, .fine { font-size: .85rem; color: #444; }
-@media (max-width: 600px) { th, td { padding: .25rem .3rem; } td.name { min-width: 5.5rem; overflow-wrap: anywhere; } }
+td.name span { white-space: nowrap; }
+@media (max-width: 600px) { th, td { padding: .25rem .3rem; } th, td.name { min-width: 0; } table { font-size: .75rem; } }
 code { overflow-wrap: anywhere; }
 """
 
@@ -51,6 +52,11 @@ def shown(error):
     if error.value < error.bar:
         return f"≤ {percent(error.bar)}"
     return f"{percent(error.value)[:-2]} ± {percent(error.bar)}" if error.bar > 0 else percent(error.value)
+
+
+def setting(label):
+    """A label that breaks between its settings only."""
+    return " ".join(f"<span>{html.escape(word)}</span>" for word in label.split()) if "=" in label else html.escape(label)
 
 
 def against(report):
@@ -244,11 +250,11 @@ def table(report):
             out.append(f'<tr class="group"><td class="text" colspan="{3 + contact + len(report["figures"])}">'
                        f'<span>{html.escape(before)}</span></td></tr>')
         if not r["folder"]:
-            out.append(f'<tr><td>{r["number"]}</td><td class="text name">{html.escape(r["label"])}</td>'
+            out.append(f'<tr><td>{r["number"]}</td><td class="text name">{setting(r["label"])}</td>'
                        f'<td class="text" colspan="{1 + contact + len(report["figures"])}">the run failed</td></tr>')
             continue
         out.append(f'<tr{" class=front" if r["front"] else ""}><td>{r["number"]}</td>'
-                   f'<td class="text name">{html.escape(r["label"])}</td><td>{seconds(r["seconds"])}</td>')
+                   f'<td class="text name">{setting(r["label"])}</td><td>{seconds(r["seconds"])}</td>')
         if contact:
             out.append(f'<td>{r["contact"]:.3g}</td>')
         for f in report["figures"]:
@@ -267,7 +273,7 @@ def cheapest_table(report):
         out.append(f'<tr><td class="text name">{FIGURES[f][0] if f in FIGURES else compared(report)}</td>')
         for bound in (0.05, 0.01):
             r = report["best"][f][bound]
-            out.append('<td class="text name">' + (f'{html.escape(r["label"])} <small>({seconds(r["seconds"])})</small>' if r
+            out.append('<td class="text name">' + (f'{setting(r["label"])} <small>({seconds(r["seconds"])})</small>' if r
                                               else "none known to be") + "</td>")
         out.append("</tr>")
     return "\n".join(out) + "</table></div>"
