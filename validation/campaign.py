@@ -28,13 +28,12 @@ def ended(folder):
 
 def done(folder, settings):
     """Whether a folder holds a run with these settings, or a longer one."""
-    if not (Path(folder) / "settings").is_file():
-        return False
     end = float(settings.get("endTime", "inf"))
     if reached(folder) >= end * (1 - 1e-6):
         return True
-    have = float(hotbed.read_settings(Path(folder) / "settings").get("endTime", "inf"))
-    return ended(folder) and have >= end * (1 - 1e-6)
+    file = Path(folder) / "settings"
+    have = hotbed.read_settings(file).get("endTime", "inf") if file.is_file() else "inf"
+    return ended(folder) and float(have) >= end * (1 - 1e-6)
 
 
 def run_all(case, folder, runs, at_once=2, ranks=1, keep_going=False):

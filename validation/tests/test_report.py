@@ -135,6 +135,7 @@ class Page(unittest.TestCase):
         for arguments, expected in {("nothing",): "neither one of fixed_bed, slim_bed nor the folder of a case",
                                     (ROOT / "examples/fluidized_bed",): "say what to vary",
                                     ("fixed_bed", "--vary", "cells=3"): "no setting 'cells'",
+                                    ("fixed_bed", "--vary", "u0=0.2"): "give a --reference",
                                     ("fixed_bed", "--vary", "l"): "write name=value"}.items():
             with self.subTest(expected):
                 done = subprocess.run([sys.executable, report.__file__, *map(str, arguments)], cwd=self.folder,
