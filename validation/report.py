@@ -173,15 +173,16 @@ def evaluate(rows, exact):
     if not exact and rows[0]["folder"] is None:
         raise CaseError("the reference run failed, see above")
     reference = None if exact else report_errors.Record(rows[0]["folder"])
-    alike = [] if exact else [r["folder"] for r in done if r["group"] == "repeat" or not r["changes"]]
-    bars = report_errors.spread([report_errors.Record(folder) for folder in alike])
+    repeated = any(r["group"] == "repeat" for r in done)
+    alike = [r["folder"] for r in done if r["group"] == "repeat" or not r["changes"]] if repeated and not exact else []
+    bars = report_errors.of_repeats([report_errors.Record(folder) for folder in alike])
     for r in done:
         r["seconds"] = run_seconds(r["folder"])
         r["contact"] = contact_steps(r["folder"])
         r["errors"] = (report_errors.against_exact(r["folder"]) if exact else
                        report_errors.against_run(report_errors.Record(r["folder"]), reference))
         for f, bar in bars.items():
-            r["errors"][f] = report_errors.Error(r["errors"][f].value, max(bar, r["errors"][f].bar))
+            r["errors"][f] = report_errors.Error(r["errors"][f].value, bar)
     figures = [f for f in report_errors.FIGURES
                if all(f in r["errors"] and np.isfinite(r["errors"][f].known) for r in done)]
     heat = [f for f in figures if f in report_errors.HEAT] or figures

@@ -1,9 +1,9 @@
 """Errors of a run against a reference run, or of the fixed bed against its exact solution, for report.py.
 
 Each comes with a bar: beds are chaotic, so two runs differ even where nothing is wrong. The bar is the half-width of the 95 %
-confidence interval from blocks of time, or, where there are repeats, twice what they differ by if that is more: blocks that are
-shorter than the bed's memory make too little of it. An error below its bar is not known to be there: all that is known is
-`<= bar`.
+confidence interval: from repeats of the same run where there are any, else from blocks of time, which know less (too short for
+the bed's memory they make too little of it; where both runs are in a transient, too much). An error below its bar is not
+known to be there: all that is known is `<= bar`.
 """
 
 import itertools
@@ -27,7 +27,7 @@ FIGURES = {
     "temperature": ("mean particle temperature", "difference at the end, over the change since the start"),
     "nusselt": ("mean Nusselt number", "difference over the value of the reference"),
     "nusselt_pdf": ("PDF of the Nusselt number", "Wasserstein distance over the mean, all particles in all dumps"),
-    "profile": ("axial temperature profile", "mean difference of the layers, over the change of the mean temperature"),
+    "profile": ("axial temperature profile", "mean difference of the layers, over the range of the reference's"),
     "height": ("bed height", "difference over the value of the reference"),
     "fluctuation": ("pressure-drop fluctuation", "difference of the standard deviation, over that of the reference"),
 }
@@ -112,7 +112,7 @@ def against_run(run, reference):
             total = of_blocks(run.changes() - change, drop)
             errors["temperature"] = Error(total.value * BLOCKS, total.bar * BLOCKS)
         errors["nusselt"] = of_means(run, reference, "Nu_mean", np.mean)
-        pdf, profile = nusselt_pdf(run, reference), axial_profile(run, reference, drop)
+        pdf, profile = nusselt_pdf(run, reference), axial_profile(run, reference)
         errors.update({name: e for name, e in (("nusselt_pdf", pdf), ("profile", profile)) if e})
     if reference.has("height_m"):
         errors["height"] = of_means(run, reference, "height_m", np.mean)
@@ -120,10 +120,11 @@ def against_run(run, reference):
     return errors
 
 
-def spread(records):
-    """{figure: twice the root mean square of the differences} between runs that should not differ."""
+def of_repeats(records):
+    """{figure: bar} from runs that should not differ: Student's factor times the root mean square of their differences."""
     pairs = [against_run(a, b) for a, b in itertools.combinations(records, 2)]
-    return {f: 2 * np.sqrt(np.mean([p[f].value**2 for p in pairs])) for f in (pairs[0] if pairs else ())}
+    return {f: student.ppf(0.975, len(records) - 1) * np.sqrt(np.mean([p[f].value**2 for p in pairs]))
+            for f in (pairs[0] if pairs else ())}
 
 
 def nusselt_pdf(run, reference):
@@ -138,23 +139,27 @@ def nusselt_pdf(run, reference):
     return Error(distance / mean, 2 * np.hypot(*noise) / 2 / mean)
 
 
-def axial_profile(run, reference, drop, layers=40):
-    """Difference of the mean temperature of layers, weighted with the particles in them. Bar: from blocks of dumps."""
+def axial_profile(run, reference, layers=16):
+    """Difference of the mean temperature of layers, weighted with the particles in them, over the range of the reference's
+    layers. Bar: from blocks of dumps."""
     z, times = reference.column("z"), sorted(set(reference.column("f_Temp")) & set(run.column("f_Temp")))
-    if drop <= 1e-6 or len(times) < BLOCKS or not z or not run.column("z"):
+    if len(times) < BLOCKS or not z or not run.column("z"):
         return None
-    edges = np.linspace(0, np.percentile(np.concatenate(list(z.values())), 99), layers + 1)
-    differences = []
-    for block in np.array_split(times, BLOCKS):
-        sums = []
-        for record in (run, reference):
+    heights = np.concatenate(list(z.values()))
+    edges = np.linspace(0, np.percentile(heights, 99), layers + 1)
+
+    def profiles(record):
+        """Mean of each layer in each block of dumps, nan where a layer is empty."""
+        for block in np.array_split(times, BLOCKS):
             height, value = (np.concatenate([record.column(c)[t] for t in block]) for c in ("z", "f_Temp"))
-            count = np.histogram(height, edges)[0]
             with np.errstate(invalid="ignore", divide="ignore"):
-                sums.append(np.histogram(height, edges, weights=value)[0] / count)
-        differences.append(sums[0] - sums[1])
-    differences = np.array(differences)
-    weight = np.histogram(np.concatenate(list(z.values())), edges)[0] * np.isfinite(differences).all(axis=0)
-    differences = np.nan_to_num(differences)
-    bar = CONFIDENCE * np.std(differences, axis=0, ddof=1) / np.sqrt(BLOCKS)
-    return Error(np.average(abs(differences.mean(axis=0)), weights=weight) / drop, np.average(bar, weights=weight) / drop)
+                yield np.histogram(height, edges, weights=value)[0] / np.histogram(height, edges)[0]
+
+    own, theirs = (np.array(list(profiles(record))) for record in (run, reference))
+    filled = np.isfinite(own + theirs).all(axis=0)
+    if filled.sum() < 2:
+        return None
+    difference, weight = (own - theirs)[:, filled], np.histogram(heights, edges)[0][filled]
+    scale = np.ptp(theirs[:, filled].mean(axis=0))
+    bar = CONFIDENCE * np.std(difference, axis=0, ddof=1) / np.sqrt(BLOCKS)
+    return Error(*(np.average(x, weights=weight) / scale for x in (abs(difference.mean(axis=0)), bar)))

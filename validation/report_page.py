@@ -290,9 +290,15 @@ def write(report, folder):
     figures = "".join(f"<dt>{FIGURES[f][0]}</dt><dd>{FIGURES[f][1]}</dd>" for f in report["figures"])
     bars = "" if report["exact"] else (
         " Two runs of a chaotic bed differ even where nothing is wrong: <b>±</b> is the half-width of the 95 % confidence "
-        "interval from blocks of time, and not less than twice what repeats of the case differ by. An error below its bar is "
-        "written <b>≤ bar</b> (open symbols, arrow down): nothing more is known, and nothing more is claimed. Longer runs "
-        "make the bars smaller.")
+        "interval, from "
+        + ("repeats of the case that differ by nothing that matters" if any(r["group"] == "repeat" for r in report["rows"])
+           else "five blocks of time") +
+        ". An error below its bar is written <b>≤ bar</b> (open symbols, arrow down): nothing more is known, and nothing "
+        "more is claimed. Longer runs make the bars smaller.")
+    alike = [r["seconds"] for r in report["rows"] if r["folder"] and (r["group"] == "repeat" or not r["changes"])]
+    noise = "" if len(alike) < 2 else (
+        f" Times have noise too, from whatever else the machine does: {len(alike)} runs alike took {seconds(min(alike))} to "
+        f"{seconds(max(alike))}.")
     versions = ", ".join(f"{n} {v}" for n, v in report["versions"].items())
     title = f"Error against run time: {report['case'].replace('_', ' ')}{', quick' if report['quick'] else ''}"
     page = f"""<!DOCTYPE html>
@@ -318,7 +324,7 @@ Bold: on the front.</p>
 <p>Errors are against {html.escape(against(report))}.{bars}</p>
 <dl>{figures}</dl>
 <p>Run time is the wall time of the solver from start to end, on one core, with {report["at_once"]}
-run{"s" * (report["at_once"] > 1)} at a time. A run that was stopped and went on counts with the pace of its last piece.</p>
+run{"s" * (report["at_once"] > 1)} at a time. A run that was stopped and went on counts with the pace of its last piece.{noise}</p>
 <p class="fine">Made by <code>{html.escape(report["command"])}</code> on {html.escape(report["machine"])};
 {html.escape(versions)}.</p>
 </body></html>
