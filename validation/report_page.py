@@ -324,7 +324,8 @@ Bold: on the front.</p>
 <p>Errors are against {html.escape(against(report))}.{bars}</p>
 <dl>{figures}</dl>
 <p>Run time is the wall time of the solver from start to end, on one core, with {report["at_once"]}
-run{"s" * (report["at_once"] > 1)} at a time. A run that was stopped and went on counts with the pace of its last piece.{noise}</p>
+run{"s" * (report["at_once"] > 1)} at a time. A run that was stopped and went on counts with the pace of its last
+piece.{noise}</p>
 <p class="fine">Made by <code>{html.escape(report["command"])}</code> on {html.escape(report["machine"])};
 {html.escape(versions)}.</p>
 </body></html>
