@@ -267,7 +267,7 @@ void Coupling::closures()
 /// The particle's exact answer to a gas temperature that is linear in time (relaxation.hpp), pair by pair:
 /// cell c gets  w [G (T_i - T_c') - early_c X (T_c - T_c')]  with G = m c gain / dt, X = m c early / dt. The share
 /// early_c of the first-order term is 1 wherever that keeps the gas bounded and a closed pair from passing its
-/// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff.
+/// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff. With `exchange implicit` G is h A and X is 0.
 void Coupling::heatToGas()
 {
     const auto time = timing_.measure("heat to gas");
@@ -284,7 +284,7 @@ void Coupling::heatToGas()
     {
         const double mc = dem_.heatCapacity(i);
         const double b = conductance_[i] * dt / mc;
-        const Relaxation r = relaxation(b);
+        const Relaxation r = settings_.linearExchange ? relaxation(b) : Relaxation{b, 0.0};
         double* give = &heatGiven_[std::size_t(i) * 4];
         give[0] = mc * r.gain / dt;
         give[1] = mc * r.early / dt;

@@ -53,6 +53,36 @@ def change_settings(path, changes):
     Path(path).write_text(text)
 
 
+COUPLING = ("drag", "heatTransfer", "kernelWidth", "windowLength", "kernelSamples", "exchange", "temperatureGradient",
+            "writeRestart", "bedInterval")
+
+
+def place(case, name):
+    """The file of a case in which `--set name=value` changes a number: settings where it has that name, else a dictionary."""
+    if (case / "settings").is_file() and name in (known := read_settings(case / "settings")):
+        return "settings"
+    if name in COUPLING:
+        return "constant/couplingProperties"
+    if name == "maxCo" and name in read_settings(case / "system/controlDict"):
+        return "system/controlDict"
+    if not (case / "settings").is_file():
+        raise CaseError(f"{case} has no settings to change: the file 'settings' is missing")
+    raise CaseError(f"{case}/settings: no setting '{name}'; known are {', '.join(known)}")
+
+
+def change_case(run, changes):
+    """Writes new values into the files of a case's copy."""
+    properties = run / "constant/couplingProperties"
+    for name, value in changes.items():
+        file = place(run, name)
+        if file == "constant/couplingProperties":
+            other = {"windowLength": "kernelWidth", "kernelWidth": "windowLength"}.get(name, name)  # one of the two may stand
+            text = re.sub(ENTRY.format(f"{name}|{other}"), "", properties.read_text())
+            properties.write_text(f"{text.rstrip()}\n{name} {value};\n")
+        else:
+            change_settings(run / file, {name: value})
+
+
 def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
     """Copies a case to the folder `run`, sets its numbers, makes mesh and decomposition.
 
@@ -71,16 +101,10 @@ def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
         if not (case / "settings.full").is_file():
             raise CaseError(f"{case} has no full size: settings.full is missing")
         changes = {**read_settings(case / "settings.full"), **changes}
-    if changes and not (case / "settings").is_file():
-        raise CaseError(f"{case} has no settings to change: the file 'settings' is missing")
-    if changes:
-        known = read_settings(case / "settings")
-        for name in changes:
-            if name not in known:
-                raise CaseError(f"{case}/settings: no setting '{name}'; known are {', '.join(known)}")
+    for name in changes:
+        place(case, name)
     shutil.copytree(case, run, ignore=shutil.ignore_patterns("README*", "plot.py", "log*", "processor*"))
-    if changes:
-        change_settings(run / "settings", changes)
+    change_case(run, changes)
     tool(run, "blockMesh")
     if ranks > 1:
         decompose(run, ranks)
@@ -94,8 +118,7 @@ def resume(run, changes=None, ranks=1):
     run = Path(run)
     if not any(run.glob("restart/*/state")):
         raise CaseError(f"{run} holds no restart to go on from: run it anew, without --restart")
-    if changes:
-        change_settings(run / "settings", changes)
+    change_case(run, changes or {})
     before = len(list(run.glob("processor*"))) or 1
     if before == ranks:
         return
@@ -217,7 +240,7 @@ def main():
     parser.add_argument("case", type=Path, help="folder of the case")
     parser.add_argument("-np", type=int, default=1, metavar="N", help="MPI ranks (default 1)")
     parser.add_argument("--set", nargs="+", action="extend", default=[], metavar="name=value",
-                        help="changes numbers of the case's file settings")
+                        help="changes numbers of the case's file settings, keys of couplingProperties, maxCo")
     parser.add_argument("--full", action="store_true", help="the full size, file settings.full")
     parser.add_argument("--until", metavar="T", help="other end time [s]")
     parser.add_argument("--overwrite", action="store_true", help="make a run anew that is there already")

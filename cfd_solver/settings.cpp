@@ -68,7 +68,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
         IOobject("couplingProperties", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false));
 
     const wordList known = words({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
-                                  "kernelSamples", "temperatureGradient", "writeRestart", "bedInterval"});
+                                  "kernelSamples", "exchange", "temperatureGradient", "writeRestart", "bedInterval"});
     for (const word& key : dict.toc())
         if (key != "FoamFile" && !known.found(key))
             FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)
@@ -102,6 +102,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
         FatalIOErrorInFunction(dict) << "bedInterval must be a whole number of gas steps, at least 1, not "
                                      << bedInterval << exit(FatalIOError);
     writeRestart = dict.lookupOrDefault<Switch>("writeRestart", true);
+    if (dict.found("exchange")) linearExchange = choice(dict, "exchange", words({"linear", "implicit"})) == "linear";
     temperatureGradient = dict.lookupOrDefault<Switch>("temperatureGradient", true);
 }
 

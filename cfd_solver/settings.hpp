@@ -30,6 +30,7 @@ struct CouplingSettings
     int kernelSamples = 6;           ///< per axis, on meshes that are not made of boxes
     int bedInterval = 10;            ///< gas steps between lines of bed.csv
     bool writeRestart = true;        ///< at every write time
+    bool linearExchange = true;      ///< heat exact for a gas temperature linear in time; else h A (T_gas' - T)
     bool temperatureGradient = true; ///< read the gas temperature at the particle, not at its cells' centres
 };
 

@@ -1,16 +1,18 @@
 """Long runs that a session of work need not hold: each goes on from its last restart where it was stopped."""
 
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 
+import results
 import run as hotbed
 
 
 def name(settings):
     """Folder of a run: its settings but for end and write interval."""
-    return ",".join(f"{k}={v}" for k, v in settings.items() if k not in ("endTime", "writeInterval"))
+    return ",".join(f"{k}={v}" for k, v in settings.items() if k not in ("endTime", "writeInterval")) or "default"
 
 
 def reached(folder):
@@ -18,20 +20,44 @@ def reached(folder):
     return max((float(state.parent.name) for state in Path(folder).glob("restart/*/state")), default=0.0)
 
 
-def run_all(case, folder, runs, at_once=2, ranks=1):
+def ended(folder):
+    """Whether a folder holds a run that came to its end: the table that closes the log is there."""
+    log = Path(folder) / "log.hotbedFoam"
+    return log.is_file() and "\n    whole run" in hotbed.ending(log)
+
+
+def done(folder, settings):
+    """Whether a folder holds a run with these settings, or a longer one."""
+    end = float(settings.get("endTime", "inf"))
+    if reached(folder) >= end * (1 - 1e-6):
+        return True
+    file = Path(folder) / "settings"
+    have = hotbed.read_settings(file).get("endTime", "inf") if file.is_file() else "inf"
+    return ended(folder) and float(have) >= end * (1 - 1e-6)
+
+
+def run_all(case, folder, runs, at_once=2, ranks=1, keep_going=False):
     """Runs cases with each of the settings in `runs`, `at_once` at a time, as far as they are not done yet.
 
-    @return folders of the runs
+    @param keep_going  a run that fails is told and left out
+    @return folders of the runs, None for one that failed
     """
     def one(settings):
         target = Path(folder) / name(settings)
-        if reached(target) >= float(settings["endTime"]) * (1 - 1e-6):
+        if done(target, settings):
             return target
-        if reached(target) > 0:
-            hotbed.resume(target, settings, ranks)
-        else:
-            hotbed.prepare(case, target, settings, ranks=ranks, overwrite=True)
-        hotbed.run_case(target, ranks)
+        try:
+            if reached(target) > 0:
+                hotbed.resume(target, settings, ranks)
+            else:
+                hotbed.prepare(case, target, settings, ranks=ranks, overwrite=True)
+            hotbed.run_case(target, ranks)
+        except hotbed.CaseError as problem:
+            if not keep_going:
+                raise
+            print(f"left out: {problem}", file=sys.stderr)
+            return None
+        print(f"done: {target.name}, {results.wall_time(target):.0f} s", flush=True)
         return target
 
     with ThreadPoolExecutor(at_once) as pool:

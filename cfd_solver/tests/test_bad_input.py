@@ -28,6 +28,7 @@ CASES = {
     "negative window": (PROPERTIES, r"kernelWidth.*", "windowLength -1;", ["windowLength must be a number > 0", NAME]),
     "no samples": (PROPERTIES, r"(kernelWidth.*)", r"\1\nkernelSamples 0;", ["kernelSamples must be from 1 to 64", NAME]),
     "no interval": (PROPERTIES, r"^bedInterval.*", "bedInterval 0;", ["bedInterval must be a whole number", NAME]),
+    "unknown exchange": (PROPERTIES, r"(kernelWidth.*)", r"\1\nexchange explicit;", ["unknown exchange 'explicit'", "implicit", NAME]),
     "gradient neither on nor off": (PROPERTIES, r"(kernelWidth.*)", r"\1\ntemperatureGradient maybe;", ["temperatureGradient"]),
     "l of zero": ("settings", r"^l .*", "l 0;", ["ratio must be a number > 0, not '0'", SCRIPT]),
     "negative l": ("settings", r"^l .*", "l -2;", ["ratio must be a number > 0, not '-2'", SCRIPT]),

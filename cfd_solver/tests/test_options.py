@@ -60,6 +60,21 @@ class OpenFoamControls(CoupledTest):
         self.assertTrue((target / "postProcessing/range/0/fieldMinMax.dat").exists())
 
 
+class PlainExchange(CoupledTest):
+    def test_plain_exchange_conserves_and_differs_in_the_step(self):
+        heat = {}
+        for exchange in ("linear", "implicit"):
+            target = self.scene(exchange, deltaT=5e-3, exchange=exchange)
+            code, log = self.solve(target)
+            self.assertEqual(code, 0, log[-2000:])
+            bed = results.bed(target)
+            self.assertLess(abs(bed["budget_error"][-1]), 1e-9)
+            self.assertLess(bed["mismatch"].max(), 1e-12)
+            heat[exchange] = bed["T_mean_K"][-1] - 293
+        self.assertNotEqual(heat["implicit"], heat["linear"])
+        self.assertAlmostEqual(heat["implicit"] / heat["linear"], 1, delta=0.01)
+
+
 class OddScenes(CoupledTest):
     def test_kernel_wider_than_the_domain_is_a_warning(self):
         target = self.scene(edits=[("constant/couplingProperties", "kernelWidth.*", "windowLength 0.05;")])
