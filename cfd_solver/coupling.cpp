@@ -380,7 +380,8 @@ void Coupling::heatToParticles()
     if (settings_.temperatureGradient)
     {
         gradient = fvc::grad(gas_.T())().primitiveField();
-        scalar lowest = min(gMin(T), gMin(gas_.T())), highest = max(gMax(T), gMax(gas_.T()));
+        const scalar lowest = min(min(gMin(T), gMin(temperatureBefore_)), gMin(gas_.T()));
+        const scalar highest = max(max(gMax(T), gMax(temperatureBefore_)), gMax(gas_.T()));
         for (label c = 0; c < mesh_.nCells(); ++c)
         {
             const double* sum = &cellHeat_[std::size_t(c) * heatSums];
@@ -389,7 +390,10 @@ void Coupling::heatToParticles()
             for (int a = 0; a < 3; ++a)
                 change +=
                     mag(gradient[c][a]) * (widest_ + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
-            const scalar room = max(min(T[c] - lowest, highest - T[c]), 0.0);
+            // what a particle sees on average over the step lies between T and, where `early` is all of half the gain,
+            // the middle between before and after: no reading may leave the range from either
+            const scalar middle = T[c] + 0.5 * early_[c] * (temperatureBefore_[c] - T[c]);
+            const scalar room = max(min(min(T[c], middle) - lowest, highest - max(T[c], middle)), 0.0);
             if (change > room) gradient[c] *= room / change;
         }
     }
