@@ -30,6 +30,7 @@ Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
       voidage_(inputOutput("voidage", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), mesh,
                dimensionedScalar("voidage", dimless, 1.0), zeroGradientFvPatchScalarField::typeName),
       rho_(inputOutput("rho", mesh, IOobject::NO_READ, IOobject::NO_WRITE), thermo_->rho()),
+      pressureShare_(inputOutput("pressureShare", mesh, IOobject::NO_READ, IOobject::NO_WRITE), voidage_),
       U_(inputOutput("U", mesh, IOobject::MUST_READ, IOobject::AUTO_WRITE), mesh),
       mass_(inputOutput("gasMass", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), voidage_ * rho_),
       phi_(inputOutput("phi", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), fvc::flux(mass_ * U_)),
@@ -51,6 +52,7 @@ Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
     const label n = mesh.nCells();
     exchange_.drag.setSize(n, 0.0);
     exchange_.dragSource.setSize(n, Zero);
+    exchange_.passedOn.setSize(n, 0.0);
     exchange_.conductance.setSize(n, 0.0);
     exchange_.heatSource.setSize(n, 0.0);
 }
@@ -83,6 +85,8 @@ void Gas::advance()
     rho_ = thermo_->rho();
     mass_.oldTime();
     voidage_.correctBoundaryConditions();
+    pressureShare_.primitiveFieldRef() = voidage_.primitiveField() + exchange_.passedOn / mesh_.V();
+    pressureShare_.correctBoundaryConditions();
     while (pimple_.loop())
     {
         momentum();
@@ -125,7 +129,7 @@ void Gas::momentum()
     if (mag(g_.value()) > 0) UEqn.source() += mass_.primitiveField() * g_.value() * mesh_.V();
     UEqn.relax();
 
-    if (pimple_.momentumPredictor()) solve(UEqn == -voidage_ * pressureGradient_());
+    if (pimple_.momentumPredictor()) solve(UEqn == -pressureShare_ * pressureGradient_());
 }
 
 void Gas::pressure()
@@ -138,7 +142,7 @@ void Gas::pressure()
     const volVectorField HbyA(constrainHbyA(rAU * UEqn.H(), U_, p_));
     const volScalarField mass(voidage_ * rho_);
     const surfaceScalarField massf(fvc::interpolate(mass));
-    const surfaceScalarField rAUf("rAUf", massf * fvc::interpolate(voidage_ * rAU));
+    const surfaceScalarField rAUf("rAUf", massf * fvc::interpolate(pressureShare_ * rAU));
 
     surfaceScalarField phiHbyA("phiHbyA",
                                massf * fvc::flux(HbyA) + massf * fvc::interpolate(rAU) * fvc::ddtCorr(mass_, U_, phi_));
@@ -156,7 +160,7 @@ void Gas::pressure()
     }
     p_.relax();
     pressureGradient_() = fvc::grad(p_);
-    U_ = HbyA - rAU * voidage_ * pressureGradient_();
+    U_ = HbyA - rAU * pressureShare_ * pressureGradient_();
     U_.correctBoundaryConditions();
     thermo_->correctRho(thermo_->psi() * p_ - psip0); // density at the new pressure
     continuity();
