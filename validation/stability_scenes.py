@@ -106,7 +106,8 @@ def original_diameter(value):
 
 
 def viscosity(value):
-    return ("constant/thermophysicalProperties", r"mu 1\.8e-5", f"mu {value:.12g}")
+    """At the same heat conductivity."""
+    return ("constant/thermophysicalProperties", r"mu 1\.8e-5; Pr 0\.72", f"mu {value:.12g}; Pr {0.72 * value / VISCOSITY:.12g}")
 
 
 def gravity(direction):
@@ -160,22 +161,22 @@ def sphere(b, ratio):
 # is looked at, they start as cold as the gas and the inlet is hot
 CALM = [("DEM/in.bed", r"initial_temperature 363\.15", f"initial_temperature {COLD}"), ("0/T", r"(?<=fixedValue; value uniform )293\.15", f"{HOT}")]
 
+CONSTANT_DENSITY = [("constant/thermophysicalProperties", r"perfectGas", "rhoConst"),
+                    ("constant/thermophysicalProperties", r"^( *)thermodynamics", f"    equationOfState {{ rho {GAS_DENSITY:.6g}; }}\n    thermodynamics")]
+
 
 def particles():
-    kind = "drag relaxation time over the gas step"
-    for ratio in (1e-4, 1e-2, 1.0, 1e2, 1e4):
-        # by the viscosity, slower gas as it thickens; thin gas that drags by inertia only: heavier particles too
-        rho = DENSITY if ratio < 1e3 else 2e4
-        flow = lambda mu: min(0.2, 0.2 * VISCOSITY / mu)
-        low, high = 1e-9, 1e6
-        for _ in range(200):
-            mu = np.sqrt(low * high)
-            low, high = (mu, high) if relaxation(DIAMETER, rho, mu, flow(mu)) / STEP > ratio else (low, mu)
-        yield slim(kind, f"{relaxation(DIAMETER, rho, mu, flow(mu)) / STEP:.0e} (viscosity {mu:.2g} Pa s)", {"u0": f"{flow(mu):.6g}"},
-                   [*CALM, viscosity(mu), density(rho), kn(STIFFNESS * rho / DENSITY)], quick=ratio in (1e-4, 1e4))
+    for kind, edits in (("drag relaxation time over the gas step", []), ("the same, gas of constant density", CONSTANT_DENSITY)):
+        for ratio in (1e-4, 1e-2, 1.0, 1e2, 1e4):
+            # by the viscosity, slower gas as it thickens; thin gas that drags by inertia only: heavier particles too
+            rho = DENSITY if ratio < 1e3 else 2e4
+            mu, u0 = thick(ratio, rho)
+            yield slim(kind, f"{ratio:.0e} (viscosity {mu:.2g} Pa s)", {"u0": f"{u0:.6g}"},
+                       [*CALM, *edits, viscosity(mu), density(rho), kn(STIFFNESS * rho / DENSITY)], quick=ratio in (1e-4, 1e4))
     kind = "particle density [kg/m3], kn in proportion"
     for rho in (0.1, 1.0, 30.0, 2e4):
         yield slim(kind, f"{rho:g}", edits=[*CALM, density(rho), kn(STIFFNESS * rho / DENSITY)], quick=rho in (0.1, 2e4))
+    yield slim(kind, "0.1, gas of constant density", edits=[*CALM, *CONSTANT_DENSITY, density(0.1), kn(STIFFNESS * 0.1 / DENSITY)])
     yield slim("particle density [kg/m3], kn as for 1040", "0.1", edits=[density(0.1)], quick=True,
                refused=("in.bed", "timestep", "at most"))
     kind = "particle diameter [m], mesh in proportion, 1.5 u_mf, kn for the same contact time"
@@ -204,6 +205,16 @@ def particles():
     for l in (1, 1.5, 3, 4.5):
         yield slim(kind, f"{l}", {"l": l}, quick=l == 1)
     yield slim(kind, "10", {"l": 10, "width": 0.02, "depth": 0.01, "cellsWidth": 16, "cellsDepth": 8, "solids": 8e-7}, quick=True)
+
+
+def thick(ratio, rho):
+    """Viscosity that makes the drag relaxation time `ratio` gas steps, and a flow that the bed can bear [m/s]."""
+    low, high = 1e-9, 1e6
+    for _ in range(200):
+        mu = np.sqrt(low * high)
+        u0 = min(0.2, 0.2 * VISCOSITY / mu)
+        low, high = (mu, high) if relaxation(DIAMETER, rho, mu, u0) / STEP > ratio else (low, mu)
+    return mu, u0
 
 
 def scaled(f):
