@@ -280,9 +280,19 @@ def extremes():
     for low, high in ((0.12, 0.22), (0.07, 0.27), (0.02, 0.32)):
         angle = np.degrees(np.arctan((high - low) * SLIM["height"] / SLIM["width"]))
         yield slim(kind, f"{angle:.0f} degrees", {"endTime": 0.005, "u0": 0.4}, skewed(low, high), quick=high == 0.32)
+    for k in (10, 1e3):
+        yield slim("skewed cells (42 degrees), hot inlet, heat conductivity of the gas", f"x {k:g}", {"endTime": 0.005, "u0": 0.4},
+                   [*skewed(0.02, 0.32), *CALM, ("constant/thermophysicalProperties", r"Pr 0\.72", f"Pr {0.72 / k:.6g}")], quick=k == 1e3)
+    kind = "skewed cells (42 degrees), coarse particle, cells wide"
+    for l, d in ((5, 4), (10, 8)):
+        yield slim(kind, f"{d}", {"l": l, "width": 0.02, "depth": 0.02, "cellsWidth": 16, "cellsDepth": 16, "solids": 4e-6},
+                   skewed(0.02, 0.32 * 2), quick=False)
     kind = "cells across"
     for n in ((8, 1, 24), (1, 1, 24), (1, 1, 1), (8, 4, 1)):
-        yield slim(kind, "%d x %d x %d" % n, dict(zip(("cellsWidth", "cellsDepth", "cellsHeight"), n)) | {"endTime": 0.005}, quick=n == (1, 1, 1))
+        yield slim(kind, "%d x %d x %d" % n, dict(zip(("cellsWidth", "cellsDepth", "cellsHeight"), n)) | {"endTime": 0.005},
+                   # OpenFOAM's multigrid wants more than one cell
+                   [("system/fvSolution", r"GAMG;\s*smoother\s+GaussSeidel;", "PCG;\n        preconditioner DIC;")] if n == (1, 1, 1) else [],
+                   quick=n == (1, 1, 1))
     kind = "ranks"
     for value, processors, split in (("4, the bed on one of DEM and of gas", "1 1 4", "1 1 4"), ("4, on one of DEM, four of gas", "1 1 4", "4 1 1"),
                                      ("4, on four of DEM, one of gas", "4 1 1", "1 1 4")):
