@@ -74,6 +74,7 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
             }
         return std::make_unique<BoxCells>(boxes, domain);
     }
+    sampled_ = true;
     Info << "Mapping: cells of any shape, kernel sampled at " << settings.kernelSamples << "^3 points" << nl;
     Box bounds;
     if (mesh_.nCells())
@@ -148,9 +149,20 @@ void Coupling::map()
     for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
-        FatalErrorInFunction << "the voidage of a cell is " << least
-                             << ": the particles overlap too much, or the kernel is too narrow for the cells (set a "
-                             << "larger kernelWidth in constant/couplingProperties)" << exit(FatalError);
+    {
+        scalar smallest = GREAT; // extent of a cell
+        for (const vector& half : halfExtent_) smallest = min(smallest, 2 * cmptMin(half));
+        reduce(smallest, minOp<scalar>());
+        const int samples = int(std::ceil(2 * 2 * widest_ / smallest)); // two in the smallest cell
+        FatalErrorInFunction << "the voidage of a cell is " << least << ": the particles overlap too much, or ";
+        if (sampled_ && settings_.kernelSamples < samples)
+            FatalError << "the kernel has too few samples for the cells (set kernelSamples in "
+                       << "constant/couplingProperties to " << samples << ", it is " << settings_.kernelSamples << ')';
+        else
+            FatalError << "the kernel is too narrow for the cells (set a larger kernelWidth in "
+                       << "constant/couplingProperties)";
+        FatalError << exit(FatalError);
+    }
     voidage.correctBoundaryConditions();
     mapped_ = true;
 }

@@ -4,6 +4,9 @@
 #include "constrainHbyA.H"
 #include "constrainPressure.H"
 #include "gaussConvectionScheme.H"
+#include "gaussLaplacianScheme.H"
+#include "linear.H"
+#include "uncorrectedSnGrad.H"
 #include "upwind.H"
 
 using namespace Foam;
@@ -26,7 +29,9 @@ IOobject gravityFile(const fvMesh& mesh)
 } // namespace
 
 Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
-    : mesh_(mesh), energyOn_(energy), timing_(timing), pimple_(mesh), thermo_(fluidThermo::New(mesh)), p_(thermo_->p()),
+    : mesh_(mesh), energyOn_(energy),
+      oblique_(gMax(scalarField(mag(mesh.nonOrthCorrectionVectors().primitiveField()))) > 1e-9), timing_(timing),
+      pimple_(mesh), thermo_(fluidThermo::New(mesh)), p_(thermo_->p()),
       voidage_(inputOutput("voidage", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), mesh,
                dimensionedScalar("voidage", dimless, 1.0), zeroGradientFvPatchScalarField::typeName),
       rho_(inputOutput("rho", mesh, IOobject::NO_READ, IOobject::NO_WRITE), thermo_->rho()),
@@ -254,8 +259,9 @@ void limitCorrection(const volScalarField& h, const scalarField& storage, surfac
 } // namespace
 
 /// Eq 7, bounded by construction: an implicit upwind step whose matrix has no negative influence, then the difference
-/// to the scheme of the dictionary, averaged over the step (second order in time), as far as it makes no new extremum
-/// (flux-corrected transport). Twice, since the second pass sees the first one's result.
+/// to the scheme of the dictionary, averaged over the step (second order in time), and what conduction through oblique
+/// faces adds, as far as they make no new extremum (flux-corrected transport). Twice, since the second pass sees the
+/// first one's result.
 void Gas::energy()
 {
     const auto time = timing_.measure("gas: energy equation");
@@ -270,7 +276,11 @@ void Gas::energy()
     const tmp<volScalarField> alpha = diffusivity();
     const fv::gaussConvectionScheme<scalar> convection(
         mesh_, phi_, tmp<surfaceInterpolationScheme<scalar>>(new upwind<scalar>(mesh_, phi_)));
-    fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - fvm::laplacian(alpha(), h));
+    const surfaceScalarField conduction(fvc::interpolate(alpha()));
+    fv::gaussLaplacianScheme<scalar, scalar> straight(
+        mesh_, tmp<surfaceInterpolationScheme<scalar>>(new linear<scalar>(mesh_)),
+        tmp<fv::snGradScheme<scalar>>(new fv::uncorrectedSnGrad<scalar>(mesh_)));
+    fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - straight.fvmLaplacian(conduction, h));
     hEqn.diag() += implicitPart;
     hEqn.source() += exchange_.heatSource - exchange_.conductance * (T0 - exchange_.reference) + implicitPart * h0;
     hEqn.solve(mesh_.solver(h.select(pimple_.finalInnerIter())));
@@ -289,9 +299,12 @@ void Gas::energy()
 
     surfaceScalarField used("used", convection.flux(phi_, h));
     const scalarField storage(mass_.primitiveField() * V / dt + implicitPart);
+    const tmp<fv::snGradScheme<scalar>> snGrad(
+        fv::snGradScheme<scalar>::New(mesh_, mesh_.snGradScheme("snGrad(" + h.name() + ')')));
     for (int pass = 0; pass < 2; ++pass)
     {
-        const surfaceScalarField wanted(0.5 * (fvc::flux(phi_, h, "div(phi,h)") + enthalpyFlux_()));
+        surfaceScalarField wanted(0.5 * (fvc::flux(phi_, h, "div(phi,h)") + enthalpyFlux_()));
+        if (oblique_ && snGrad().corrected()) wanted -= conduction * mesh_.magSf() * snGrad().correction(h);
         surfaceScalarField correction("correction", wanted - used);
         limitCorrection(h, storage, correction);
         h.primitiveFieldRef() -= fvc::surfaceIntegrate(correction)->primitiveField() * V / storage;

@@ -71,6 +71,7 @@ private:
 
     Foam::fvMesh& mesh_;
     bool energyOn_;
+    const bool oblique_; ///< lines between cell centres are not at right angles to the faces
     Timing& timing_;
     Foam::pimpleControl pimple_;
     Foam::autoPtr<Foam::fluidThermo> thermo_;

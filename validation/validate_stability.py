@@ -123,7 +123,7 @@ def row(figures, folder, scene):
         lacking = said(log, ["ERROR", *scene.refused])
         fine = code != 0 and "Time = " not in log
         figures.add(scene.name + ", refused", len(lacking) if fine else np.inf, 0,
-                    "; ".join(re.findall(r"(?m)^.*ERROR.*$", log))[:220] or f"exit status {code}")
+                    " ".join(re.findall(r"ERROR: *\n?(.*)", log)[:1])[:240] or f"exit status {code}")
         return
     if code != 0:
         reached = re.findall(r"(?m)^Time = (\S+)", log)
