@@ -18,8 +18,10 @@ public:
     Foam::dictionary state() const;
     void resume(const Foam::dictionary& state);
 
-    /// Before the DEM steps of a gas step: what the particles' energy changes by in them came or went with particles.
+    /// Around what lets particles come and go, DEM steps and the new lists of a restart: what the particles' energy
+    /// changes by between the two was carried by particles.
     void particlesWillMove();
+    void particlesHaveMoved();
 
     /// After a step: the budget goes on; a line where it is time for one.
     void record();

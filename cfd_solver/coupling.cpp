@@ -46,8 +46,8 @@ constexpr int readFields = 8; // T - grad T . x, grad T, what the early share ad
 
 Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing)
     : settings_(settings), mesh_(mesh), dem_(dem), gas_(gas), timing_(timing),
-      heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), halfExtent_(mesh.nCells()),
-      mapping_(MPI_COMM_WORLD, makeCells(settings))
+      heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), dragFields_(push_ ? 8 : 1),
+      halfExtent_(mesh.nCells()), mapping_(MPI_COMM_WORLD, makeCells(settings))
 {
 }
 
@@ -74,6 +74,7 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
             }
         return std::make_unique<BoxCells>(boxes, domain);
     }
+    sampled_ = true;
     Info << "Mapping: cells of any shape, kernel sampled at " << settings.kernelSamples << "^3 points" << nl;
     Box bounds;
     if (mesh_.nCells())
@@ -148,9 +149,20 @@ void Coupling::map()
     for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
-        FatalErrorInFunction << "the voidage of a cell is " << least
-                             << ": the particles overlap too much, or the kernel is too narrow for the cells (set a "
-                             << "larger kernelWidth in constant/couplingProperties)" << exit(FatalError);
+    {
+        scalar smallest = GREAT; // extent of a cell
+        for (const vector& half : halfExtent_) smallest = min(smallest, 2 * cmptMin(half));
+        reduce(smallest, minOp<scalar>());
+        const int samples = int(std::ceil(2 * 2 * widest_ / smallest)); // two in the smallest cell
+        FatalErrorInFunction << "the voidage of a cell is " << least << ": the particles overlap too much, or ";
+        if (sampled_ && settings_.kernelSamples < samples)
+            FatalError << "the kernel has too few samples for the cells (set kernelSamples in "
+                       << "constant/couplingProperties to " << samples << ", it is " << settings_.kernelSamples << ')';
+        else
+            FatalError << "the kernel is too narrow for the cells (set a larger kernelWidth in "
+                       << "constant/couplingProperties)";
+        FatalError << exit(FatalError);
+    }
     voidage.correctBoundaryConditions();
     mapped_ = true;
 }
@@ -161,25 +173,41 @@ void Coupling::particlesToGas()
     if (heat_) heatToGas();
 }
 
-/// What a particle does to the gas in a step, F = G u' - c with the gas velocity u' at the end of the step.
-/// A particle that the gas can move answers exactly to u' and to a constant acceleration a from all other forces,
-///     m dv/dt = B (u' - v) + m a,   b = B dt/m,   F = (m/dt) [gain (u' - v) + (gain/b - 1) a dt],
-/// for any b: G is m/dt at most. For `a` the mean over the last gas step is taken: a particle at rest in a bed then
-/// feels all of B u', one that falls reaches its terminal velocity.
-/// @param exchange  G, c
-void Coupling::dragOn(int i, double B, double* exchange) const
+/// What a particle does to the gas in a step, F = G u' - c + V held grad p', with the gas velocity u' and the pressure
+/// gradient at the end of the step. A particle that the gas can move answers exactly to u' and to a constant
+/// acceleration a from all other forces,
+///     m dv/dt = B (u' - v) + m a,   b = B dt/m,   F = (m/dt) [gain (u' - v) - held a dt],   held = 1 - gain/b,
+/// for any b: G is m/dt at most. `a` is that of the pressure gradient, -V grad p'/m, and of the rest, for which the
+/// mean over the last gas step is taken: a particle at rest in a bed then feels all of B u', one that falls reaches its
+/// terminal velocity. Both do so whatever `gain` is.
+///
+/// Gas and particles take turns: the gas sees in which way particles have closed its path only in the next step.
+/// Between the two a disturbance grows by 1 - lambda from step to step in a gas that cannot be compressed, lambda being
+/// how far a pressure that stops the gas moves the particles. Where it would be more than 1.5, in dense beds of
+/// particles that follow the gas within a step or are as light as it is, `gain` is made smaller: they answer in a few
+/// steps.
+/// @param gas       voidage, velocity, density, ... at the particle
+/// @param exchange  G, c, V held
+void Coupling::dragOn(int i, double B, const double* gas, double* exchange) const
 {
-    if (!push_)
-    {
-        exchange[0] = B;
-        std::fill_n(exchange + 1, 3, 0.0);
-        return;
-    }
+    std::fill_n(exchange, dragFields_, 0.0);
+    exchange[0] = B;
+    if (!push_ || !(B > 0.0)) return;
     const double dt = mesh_.time().deltaTValue();
     const double m = dem_.mass()[i];
+    const double volume = sphereVolume(dem_.radius()[i]);
     const double b = B * dt / m;
-    const double gain = relaxation(b).gain;
-    const double held = b > 0.0 ? 1.0 - gain / b : 0.0; // share of other forces' work that the drag takes in the step
+    double gain = relaxation(b).gain;
+
+    const double voidage = gas[0];
+    const double fluid = voidage * gas[4], solids = (1.0 - voidage) * m / volume; // in a volume of the bed [kg/m3]
+    const double follows = gain * solids / (fluid + gain * solids); // what the gas takes on of the particles' velocity
+    const double gasPushed = voidage + (1.0 - gain / b) * (1.0 - voidage);
+    const double lambda =
+        ((1.0 - voidage) / voidage + follows) * (gain + gain / b * (fluid + gain * solids) / (m / volume * gasPushed));
+    if (lambda > 1.5) gain *= 1.5 / lambda;
+
+    const double held = 1.0 - gain / b; // share of other forces' work that the drag takes in the step
     const double* v = dem_.velocity()[i];
     const double* last = dem_.lastGasStep()[i];
     exchange[0] = m * gain / dt;
@@ -189,6 +217,7 @@ void Coupling::dragOn(int i, double B, double* exchange) const
             last[6] > 0.0 ? m * (v[a] - last[a]) / last[6] - last[3 + a] : dem_.force()[i][a] - dem_.gasForce()[i][a];
         exchange[1 + a] = exchange[0] * v[a] + held * other;
     }
+    exchange[4] = held * volume;
 }
 
 void Coupling::closures()
@@ -220,7 +249,7 @@ void Coupling::closures()
         const double* radius = dem_.radius();
         double* nusselts = heat_ ? dem_.nusselt() : nullptr;
         const double(*v)[3] = dem_.velocity();
-        drag_.resize(std::size_t(n) * 4);
+        drag_.resize(std::size_t(n) * dragFields_);
         conductance_.resize(heat_ ? n : 0);
         std::vector<double>& work = closureWork_;
         work.assign(std::size_t(n) * 5, 0.0);
@@ -246,7 +275,8 @@ void Coupling::closures()
         {
             const double* g = at + std::size_t(i) * gasFields;
             const double d = 2.0 * radius[i] / l, inside = inside_[i] ? 1.0 : 0.0;
-            dragOn(i, inside * dragCoefficient(beta[i], g[5], voidage[i], d, l), &drag_[std::size_t(i) * 4]);
+            dragOn(i, inside * dragCoefficient(beta[i], g[5], voidage[i], d, l), g,
+                   &drag_[std::size_t(i) * dragFields_]);
             if (!heat_) continue;
             nusselts[i] = inside * nusselt[i];
             conductance_[i] = heatConductance(nusselts[i], g[6], d, l);
@@ -254,13 +284,15 @@ void Coupling::closures()
     }
     const auto time = timing_.measure("drag to gas");
     Exchange& exchange = gas_.exchange();
-    cellValues_.assign(std::size_t(mesh_.nCells()) * 4, 0.0);
-    mapping_.deposit(4, mapping_.toCopies(4, drag_.data()), cellValues_.data());
+    cellValues_.assign(std::size_t(mesh_.nCells()) * dragFields_, 0.0);
+    mapping_.deposit(dragFields_, mapping_.toCopies(dragFields_, drag_.data()), cellValues_.data());
     for (label c = 0; c < mesh_.nCells(); ++c)
     {
-        const double* sum = &cellValues_[std::size_t(c) * 4];
+        const double* sum = &cellValues_[std::size_t(c) * dragFields_];
         exchange.drag[c] = sum[0];
+        if (!push_) continue;
         for (int a = 0; a < 3; ++a) exchange.dragSource[c][a] = sum[1 + a];
+        exchange.passedOn[c] = sum[4];
     }
 }
 
@@ -349,16 +381,16 @@ void Coupling::momentumToParticles()
     for (int i = 0; i < dem_.size(); ++i)
     {
         const double* r = read + std::size_t(i) * pushFields;
-        const double* exchange = &drag_[std::size_t(i) * 4];
+        const double* exchange = &drag_[std::size_t(i) * dragFields_];
         const double volume = sphereVolume(dem_.radius()[i]);
         double force[3];
         double* last = dem_.lastGasStep()[i];
         for (int a = 0; a < 3; ++a)
         {
-            const double drag = exchange[0] * r[a] - exchange[1 + a];
+            const double drag = exchange[0] * r[a] - exchange[1 + a] + exchange[4] * r[3 + a];
             force[a] = drag - volume * r[3 + a];
             last[a] = v[i][a];
-            last[3 + a] = drag;
+            last[3 + a] = force[a];
             received[a] += force[a];
             dragReceived[a] += drag;
             exchanged += std::abs(drag);
@@ -367,7 +399,8 @@ void Coupling::momentumToParticles()
         dem_.setGasForce(i, force);
     }
     const Exchange& exchange = gas_.exchange();
-    for (label c = 0; c < mesh_.nCells(); ++c) dragGiven += exchange.drag[c] * U[c] - exchange.dragSource[c];
+    for (label c = 0; c < mesh_.nCells(); ++c)
+        dragGiven += exchange.drag[c] * U[c] - exchange.dragSource[c] + exchange.passedOn[c] * gradient[c];
     impulse_ = dt * returnReduce(received, sumOp<vector>());
     mismatch_ = relative(mag(returnReduce(vector(dragGiven - dragReceived), sumOp<vector>())),
                          returnReduce(exchanged, sumOp<double>()));
@@ -386,7 +419,8 @@ void Coupling::heatToParticles()
     if (settings_.temperatureGradient)
     {
         gradient = fvc::grad(gas_.T())().primitiveField();
-        scalar lowest = min(gMin(T), gMin(gas_.T())), highest = max(gMax(T), gMax(gas_.T()));
+        const scalar lowest = min(min(gMin(T), gMin(temperatureBefore_)), gMin(gas_.T()));
+        const scalar highest = max(max(gMax(T), gMax(temperatureBefore_)), gMax(gas_.T()));
         for (label c = 0; c < mesh_.nCells(); ++c)
         {
             const double* sum = &cellHeat_[std::size_t(c) * heatSums];
@@ -395,7 +429,10 @@ void Coupling::heatToParticles()
             for (int a = 0; a < 3; ++a)
                 change +=
                     mag(gradient[c][a]) * (widest_ + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
-            const scalar room = max(min(T[c] - lowest, highest - T[c]), 0.0);
+            // what a particle sees on average over the step lies between T and, where `early` is all of half the gain,
+            // the middle between before and after: no reading may leave the range from either
+            const scalar middle = T[c] + 0.5 * early_[c] * (temperatureBefore_[c] - T[c]);
+            const scalar room = max(min(min(T[c], middle) - lowest, highest - max(T[c], middle)), 0.0);
             if (change > room) gradient[c] *= room / change;
         }
     }

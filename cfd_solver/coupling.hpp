@@ -49,7 +49,7 @@ public:
 private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
     void closures();
-    void dragOn(int particle, double B, double* exchange) const;
+    void dragOn(int particle, double B, const double* gas, double* exchange) const;
     void heatToGas();
     void heatToParticles();
     void momentumToParticles();
@@ -61,14 +61,16 @@ private:
     Timing& timing_;
     const bool heat_;
     const bool push_;
+    const int dragFields_;         ///< values of drag_ by particle; without push_ the first one is enough
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
+    bool sampled_ = false;         ///< the kernel is sampled, not integrated
     Mapping mapping_;
     bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
     std::vector<double> halfWidth_;    ///< kernel, by particle [m]
     double widest_ = 0;                ///< largest halfWidth_ over all ranks [m]
-    std::vector<double> drag_;         ///< by particle: G [kg/s], explicit part of the force on the gas [N]; see dragOn
+    std::vector<double> drag_;         ///< by particle: G [kg/s], c [N] (3), V held [m3]; see dragOn
     std::vector<double> closureWork_;  ///< by particle: voidage, Reynolds, Prandtl number, beta, Nusselt number
     std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
     std::vector<double> conductance_;  ///< h A, by particle [W/K]

@@ -4,6 +4,9 @@
 #include "constrainHbyA.H"
 #include "constrainPressure.H"
 #include "gaussConvectionScheme.H"
+#include "gaussLaplacianScheme.H"
+#include "linear.H"
+#include "uncorrectedSnGrad.H"
 #include "upwind.H"
 
 using namespace Foam;
@@ -26,10 +29,13 @@ IOobject gravityFile(const fvMesh& mesh)
 } // namespace
 
 Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
-    : mesh_(mesh), energyOn_(energy), timing_(timing), pimple_(mesh), thermo_(fluidThermo::New(mesh)), p_(thermo_->p()),
+    : mesh_(mesh), energyOn_(energy),
+      oblique_(gMax(scalarField(mag(mesh.nonOrthCorrectionVectors().primitiveField()))) > 1e-9), timing_(timing),
+      pimple_(mesh), thermo_(fluidThermo::New(mesh)), p_(thermo_->p()),
       voidage_(inputOutput("voidage", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), mesh,
                dimensionedScalar("voidage", dimless, 1.0), zeroGradientFvPatchScalarField::typeName),
       rho_(inputOutput("rho", mesh, IOobject::NO_READ, IOobject::NO_WRITE), thermo_->rho()),
+      pressureShare_(inputOutput("pressureShare", mesh, IOobject::NO_READ, IOobject::NO_WRITE), voidage_),
       U_(inputOutput("U", mesh, IOobject::MUST_READ, IOobject::AUTO_WRITE), mesh),
       mass_(inputOutput("gasMass", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), voidage_ * rho_),
       phi_(inputOutput("phi", mesh, IOobject::READ_IF_PRESENT, IOobject::AUTO_WRITE), fvc::flux(mass_ * U_)),
@@ -51,6 +57,7 @@ Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
     const label n = mesh.nCells();
     exchange_.drag.setSize(n, 0.0);
     exchange_.dragSource.setSize(n, Zero);
+    exchange_.passedOn.setSize(n, 0.0);
     exchange_.conductance.setSize(n, 0.0);
     exchange_.heatSource.setSize(n, 0.0);
 }
@@ -83,6 +90,8 @@ void Gas::advance()
     rho_ = thermo_->rho();
     mass_.oldTime();
     voidage_.correctBoundaryConditions();
+    pressureShare_.primitiveFieldRef() = voidage_.primitiveField() + exchange_.passedOn / mesh_.V();
+    pressureShare_.correctBoundaryConditions();
     while (pimple_.loop())
     {
         momentum();
@@ -125,7 +134,7 @@ void Gas::momentum()
     if (mag(g_.value()) > 0) UEqn.source() += mass_.primitiveField() * g_.value() * mesh_.V();
     UEqn.relax();
 
-    if (pimple_.momentumPredictor()) solve(UEqn == -voidage_ * pressureGradient_());
+    if (pimple_.momentumPredictor()) solve(UEqn == -pressureShare_ * pressureGradient_());
 }
 
 void Gas::pressure()
@@ -138,7 +147,7 @@ void Gas::pressure()
     const volVectorField HbyA(constrainHbyA(rAU * UEqn.H(), U_, p_));
     const volScalarField mass(voidage_ * rho_);
     const surfaceScalarField massf(fvc::interpolate(mass));
-    const surfaceScalarField rAUf("rAUf", massf * fvc::interpolate(voidage_ * rAU));
+    const surfaceScalarField rAUf("rAUf", massf * fvc::interpolate(pressureShare_ * rAU));
 
     surfaceScalarField phiHbyA("phiHbyA",
                                massf * fvc::flux(HbyA) + massf * fvc::interpolate(rAU) * fvc::ddtCorr(mass_, U_, phi_));
@@ -156,7 +165,7 @@ void Gas::pressure()
     }
     p_.relax();
     pressureGradient_() = fvc::grad(p_);
-    U_ = HbyA - rAU * voidage_ * pressureGradient_();
+    U_ = HbyA - rAU * pressureShare_ * pressureGradient_();
     U_.correctBoundaryConditions();
     thermo_->correctRho(thermo_->psi() * p_ - psip0); // density at the new pressure
     continuity();
@@ -250,8 +259,9 @@ void limitCorrection(const volScalarField& h, const scalarField& storage, surfac
 } // namespace
 
 /// Eq 7, bounded by construction: an implicit upwind step whose matrix has no negative influence, then the difference
-/// to the scheme of the dictionary, averaged over the step (second order in time), as far as it makes no new extremum
-/// (flux-corrected transport). Twice, since the second pass sees the first one's result.
+/// to the scheme of the dictionary, averaged over the step (second order in time), and what conduction through oblique
+/// faces adds, as far as they make no new extremum (flux-corrected transport). Twice, since the second pass sees the
+/// first one's result.
 void Gas::energy()
 {
     const auto time = timing_.measure("gas: energy equation");
@@ -266,7 +276,11 @@ void Gas::energy()
     const tmp<volScalarField> alpha = diffusivity();
     const fv::gaussConvectionScheme<scalar> convection(
         mesh_, phi_, tmp<surfaceInterpolationScheme<scalar>>(new upwind<scalar>(mesh_, phi_)));
-    fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - fvm::laplacian(alpha(), h));
+    const surfaceScalarField conduction(fvc::interpolate(alpha()));
+    fv::gaussLaplacianScheme<scalar, scalar> straight(
+        mesh_, tmp<surfaceInterpolationScheme<scalar>>(new linear<scalar>(mesh_)),
+        tmp<fv::snGradScheme<scalar>>(new fv::uncorrectedSnGrad<scalar>(mesh_)));
+    fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - straight.fvmLaplacian(conduction, h));
     hEqn.diag() += implicitPart;
     hEqn.source() += exchange_.heatSource - exchange_.conductance * (T0 - exchange_.reference) + implicitPart * h0;
     hEqn.solve(mesh_.solver(h.select(pimple_.finalInnerIter())));
@@ -285,9 +299,12 @@ void Gas::energy()
 
     surfaceScalarField used("used", convection.flux(phi_, h));
     const scalarField storage(mass_.primitiveField() * V / dt + implicitPart);
+    const tmp<fv::snGradScheme<scalar>> snGrad(
+        fv::snGradScheme<scalar>::New(mesh_, mesh_.snGradScheme("snGrad(" + h.name() + ')')));
     for (int pass = 0; pass < 2; ++pass)
     {
-        const surfaceScalarField wanted(0.5 * (fvc::flux(phi_, h, "div(phi,h)") + enthalpyFlux_()));
+        surfaceScalarField wanted(0.5 * (fvc::flux(phi_, h, "div(phi,h)") + enthalpyFlux_()));
+        if (oblique_ && snGrad().corrected()) wanted -= conduction * mesh_.magSf() * snGrad().correction(h);
         surfaceScalarField correction("correction", wanted - used);
         limitCorrection(h, storage, correction);
         h.primitiveFieldRef() -= fvc::surfaceIntegrate(correction)->primitiveField() * V / storage;

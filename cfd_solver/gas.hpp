@@ -13,8 +13,10 @@ namespace hotbed
 /// What the particles do to the gas in one step, by cell. Owned by the gas, filled by the coupling.
 struct Exchange
 {
-    Foam::scalarField drag;        ///< sum w B: implicit drag coefficient [kg/s]
-    Foam::vectorField dragSource;  ///< sum w B v [N]
+    Foam::scalarField drag;       ///< sum w B: implicit drag coefficient [kg/s]
+    Foam::vectorField dragSource; ///< explicit part of the drag on the gas [N]
+    /// volume of the particles whose part of the pressure gradient the drag passes on to the gas within the step [m3]
+    Foam::scalarField passedOn;
     Foam::scalarField conductance; ///< implicit heat exchange coefficient [W/K]
     Foam::scalar reference = 0;    ///< temperature from which on heatSource counts [K]
     Foam::scalarField heatSource;  ///< heat given by the particles to gas at the reference temperature [W]
@@ -69,12 +71,15 @@ private:
 
     Foam::fvMesh& mesh_;
     bool energyOn_;
+    const bool oblique_; ///< lines between cell centres are not at right angles to the faces
     Timing& timing_;
     Foam::pimpleControl pimple_;
     Foam::autoPtr<Foam::fluidThermo> thermo_;
     Foam::volScalarField& p_;
     Foam::volScalarField voidage_;
     Foam::volScalarField rho_;
+    Foam::volScalarField
+        pressureShare_; ///< of the pressure gradient, that drives the gas: voidage and what is passed on
     Foam::volVectorField U_;
     Foam::volScalarField mass_; ///< voidage * rho, consistent with phi to round-off
     Foam::surfaceScalarField phi_;

@@ -221,11 +221,14 @@ int main(int argc, char* argv[])
                 dem->advance(substeps);
                 particleSteps += scalar(substeps) * dem->size();
             }
+            bed.particlesHaveMoved();
             const auto time = timing.measure("output");
             bed.record();
             if (runTime.write() && settings.writeRestart)
             {
+                bed.particlesWillMove();
                 dem->writeRestart(restart.folder() / "particles.liggghts");
+                bed.particlesHaveMoved();
                 dictionary state(bed.state());
                 state.add("demStep", label(dem->step()));
                 restart.complete(state);

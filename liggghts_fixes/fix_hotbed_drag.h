@@ -24,7 +24,8 @@ public:
     /// exactly force times the gas step.
     void set(int particle, const double* force);
 
-    double** lastStep() const; ///< 7 values: velocity at the start of the last gas step, drag in it [N], its length [s]
+    double** lastStep()
+        const; ///< 7 values: velocity at the start of the last gas step, force of the gas in it [N], its length [s]
 
     /// Keeps all forces and torques of the particles, or puts them back: LIGGGHTS evaluates them anew when a run
     /// starts, at velocities half a step further on than a run that goes on.

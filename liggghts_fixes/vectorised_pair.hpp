@@ -34,12 +34,14 @@ public:
 private:
     bool forcesOnly(LAMMPS_NS::PairGran& pair, int eflag, int vflag, int addflag) const;
     void takeList(LAMMPS_NS::PairGran& pair);
+    void checkTimestep();
 
     LAMMPS_NS::LAMMPS& lmp_;
     const int offset_;    ///< of the spring in a pair's history
     bool enabled_ = true; ///< by the script
     bool plain_ = false;  ///< all steps take the plain loop
     bool friction_ = true;
+    bool warned_ = false;
     bool stale_ = true; ///< pairs_ is not the present neighbour list
     std::vector<ContactConstants> constants_;
     ContactPairs pairs_;
