@@ -52,23 +52,16 @@ def finished(target, ranks):
     return code, (target / "log.hotbedFoam").read_text(errors="replace")
 
 
-def said(log, texts):
-    """Which of the texts the log lacks; the log is of LIGGGHTS or of OpenFOAM, with lines of any length."""
-    return [text for text in texts if text not in log]
-
-
 def finite(target):
     """Whether every field of the last time and every particle of every snapshot is."""
-    times = [p for p in target.glob("processor0/*") or () if re.fullmatch(r"[\d.e-]+", p.name) and p.name != "0"]
-    places = [q for t in times for q in target.glob(f"processor*/{t.name}")] + [
-        p for p in target.iterdir() if re.fullmatch(r"[\d.e-]+", p.name) and p.name != "0"]
+    places = [p for p in [*target.iterdir(), *target.glob("processor*/*")] if re.fullmatch(r"[\d.e-]+", p.name) and p.name != "0"]
     texts = [f.read_text(errors="replace") for p in places for f in p.iterdir() if f.is_file()]
     texts += [p.read_text() for p in target.glob("DEM/post/particles*.txt")]
     return not any(re.search(r"(?i)(?<![a-z])[-+]?(nan|inf)(?![a-z])", text) for text in texts)
 
 
 def fastest(target):
-    """Largest speed in the snapshots, and in which."""
+    """Largest speed of a particle in the snapshots [m/s]."""
     speed = 0.0
     for path in target.glob("DEM/post/particles*.txt"):
         rows = [line.split() for line in path.read_text().splitlines()[9:]]
@@ -88,7 +81,7 @@ def judged(target, scene):
             return np.inf, f"{column} is not finite"
     # temperatures are kept in doubles: their last digit, once a step, is what a budget of next to no exchange can lack
     exchanged = max(bed["exchanged_J"][-1], 1e-300)
-    held = max(np.abs(bed["gas_energy_J"]).max(), 0) + bed["particle_energy_J"].max()
+    held = np.abs(bed["gas_energy_J"]).max() + bed["particle_energy_J"].max()
     digit = len(bed) * DIGIT * held / exchanged
     low, high = scene.range
     beyond = max(low - bed["gas_T_min_K"].min(), bed["gas_T_max_K"].max() - high,
@@ -120,7 +113,7 @@ def row(figures, folder, scene):
         figures.add(scene.name, np.inf, 1, str(problem).splitlines()[0])
         return
     if scene.refused:
-        lacking = said(log, ["ERROR", *scene.refused])
+        lacking = [text for text in ("ERROR", *scene.refused) if text not in log]
         fine = code != 0 and "Time = " not in log
         figures.add(scene.name + ", refused", len(lacking) if fine else np.inf, 0,
                     " ".join(re.findall(r"ERROR: *\n?(.*)", log)[:1])[:240] or f"exit status {code}")
@@ -131,7 +124,7 @@ def row(figures, folder, scene):
         figures.add(scene.name, np.inf, 1, f"exit status {code} at {reached[-1] if reached else 'the start'}: {why[:1]}")
         return
     value, text = judged(target, scene)
-    if scene.warned and said(log, ["WARNING", *scene.warned]):
+    if scene.warned and not all(text in log for text in ("WARNING", *scene.warned)):
         value, text = np.inf, "the warning is missing"
     figures.add(scene.name, value, 1, text)
 

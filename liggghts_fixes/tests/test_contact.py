@@ -116,6 +116,14 @@ class Contact(unittest.TestCase):
         self.assertGreater(len(rows[0]), 5)
         self.assertEqual(*rows)
 
+    def test_short_contacts_are_refused(self):
+        # the shortest one lasts 4.8e-5 s, at restitution 0.9
+        with self.assertRaisesRegex(RuntimeError, r"ERROR: .* set timestep to at most 1\.\d+e-05 \(it is 1\.5e-05\), or kn to"):
+            bed("", extra="timestep 1.5e-5\n")
+        _, warned = bed("", extra="timestep 8e-6\n")
+        self.assertRegex(warned, "WARNING: .* set timestep to at most")
+        self.assertNotIn("time steps, few", bed("")[1])
+
     def test_keyword(self):
         with self.assertRaisesRegex(RuntimeError, "while parsing 'vectorised' argument"):
             bed("vectorised perhaps")
