@@ -94,7 +94,7 @@ def script(pattern, replacement):
 
 
 def kn(value):
-    return script(r"(?<=kn peratomtypepair 1 )500", f"{value:.12g}")
+    return ("settings", r"^kn +\S+;", f"kn {value:.12g};")
 
 
 def density(value):
