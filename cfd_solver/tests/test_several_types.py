@@ -11,7 +11,7 @@ SCRIPT = "DEM/in.bed"
 # type 2: heavier grains, stiffer, more elastic and rougher, 20 K colder; a third of the bed is of smaller grains
 TYPES = [
     (SCRIPT, r"^create_box .*", "create_box 2 column"),
-    (SCRIPT, r"kn peratomtypepair 1 500", "kn peratomtypepair 2 500 600 600 900"),
+    (SCRIPT, r"kn peratomtypepair 1 \$\{kn\}", "kn peratomtypepair 2 500 600 600 900"),
     (SCRIPT, r"coefficientRestitution peratomtypepair 1 0.74", "coefficientRestitution peratomtypepair 2 0.74 0.8 0.8 0.9"),
     (SCRIPT, r"tangentialRestitution peratomtypepair 1 0.1", "tangentialRestitution peratomtypepair 2 0.1 0.2 0.2 0.3"),
     (SCRIPT, r"coefficientFriction peratomtypepair 1 0.1", "coefficientFriction peratomtypepair 2 0.1 0.2 0.2 0.4"),
