@@ -8,8 +8,21 @@
 #include "mapping.hpp"
 #include "timing.hpp"
 
+#include <cmath>
+
 namespace hotbed
 {
+
+inline double sphereVolume(double radius)
+{
+    return 4.0 / 3.0 * M_PI * radius * radius * radius;
+}
+
+/// A difference over the size of what differs; where that is nothing, the difference itself.
+inline double relative(double difference, double size)
+{
+    return size > 0.0 ? difference / size : difference;
+}
 
 /// Joins the particles of the DEM with the gas, both ways, every gas step: what leaves one phase is what reaches the
 /// other, cell by cell and particle by particle, to round-off.
