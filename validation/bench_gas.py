@@ -4,7 +4,6 @@ column is empty, which is easier for its pressure solver. Both run in turn; the 
 """
 
 import argparse
-import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CASE = ROOT / "examples" / "fluidized_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import results
+from campaign import edit
 from run import environment, prepare, run_case
 
 STEP, SKIP = 1e-4, 5
@@ -35,11 +35,8 @@ def rhoPimpleFoam(folder, steps):
              "system/fvSchemes": [(r"div\(\(muEff\*dev2\(T\(grad\(U\)\)\)\)\)",
                                    "div(phid,p) Gauss upwind; div(phi,K) Gauss linear; div(((rho*nuEff)*dev2(T(grad(U)))))")]}
     for name, changes in edits.items():
-        text = (folder / name).read_text()
         for pattern, replacement in changes:
-            text, found = re.subn(pattern, replacement, text)
-            assert found, f"{name}: nothing matches {pattern}"
-        (folder / name).write_text(text)
+            edit(folder / name, pattern, replacement)
     with open(folder / "log.rhoPimpleFoam", "w") as out:
         subprocess.check_call(["rhoPimpleFoam"], cwd=folder, stdout=out, stderr=subprocess.STDOUT, env=environment())
     return results.seconds_a_step(folder / "log.rhoPimpleFoam", SKIP)

@@ -3,7 +3,6 @@ output, against the same with each of them left out. `./hotbed bench leave_out [
 same lattice; the gas is too slow to lift the bed, so that it is in contact all over when the steps are counted."""
 
 import argparse
-import re
 import sys
 from pathlib import Path
 
@@ -13,6 +12,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CASE = ROOT / "examples" / "slim_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import results
+from campaign import edit
 from run import prepare, run_case
 
 SETTLED = 200  # gas steps
@@ -46,9 +46,7 @@ def run(folder, form, end):
         for name, dimensions in (("nut", "[0 2 -1 0 0 0 0]"), ("alphat", "[1 -1 -1 0 0 0 0]")):
             (target / "0" / name).write_text(FIELD.format(name=name, dimensions=dimensions))
     for file, pattern, replacement in ([LAMINAR, *edits] if edits is not None else []):
-        text, found = re.subn(pattern, replacement, (target / file).read_text(), flags=re.M)
-        assert found, f"{file}: nothing matches {pattern}"
-        (target / file).write_text(text)
+        edit(target / file, pattern, replacement)
     run_case(target)
     return results.seconds_a_step(target / "log.hotbedFoam", SETTLED)
 

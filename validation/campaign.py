@@ -1,6 +1,7 @@
 """Long runs that a session of work need not hold: each goes on from its last restart where it was stopped."""
 
 import sys
+import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -8,6 +9,15 @@ import numpy as np
 
 import results
 import run as hotbed
+
+
+def edit(path, pattern, replacement):
+    """Replaces a regular expression (lines begin at ^, end at $) in a file of a case; it must be there."""
+    path = Path(path)
+    text, found = re.subn(pattern, replacement, path.read_text(), flags=re.M)
+    if not found:
+        raise ValueError(f"{path}: nothing matches {pattern}")
+    path.write_text(text)
 
 
 def name(settings):

@@ -1,6 +1,5 @@
 """The scenes of `./hotbed validate stability`: small copies of examples and of validation/hot_sphere, changed in one thing."""
 
-import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -57,12 +56,6 @@ def slim(kind, value, settings=None, edits=(), **more):
 def fixed(kind, value, settings=None, edits=(), **more):
     return Scene(kind, value, FIXED_BED, {**FIXED, **(settings or {})}, [*FIXED_EDITS, *edits],
                  **{"range": (293.0, 393.0), **more})
-
-
-def edit(path, pattern, replacement):
-    text, count = re.subn(pattern, lambda _: replacement, path.read_text(), flags=re.M)
-    assert count, f"{path}: nothing matches {pattern}"
-    path.write_text(text)
 
 
 def beetstra(voidage, reynolds):

@@ -19,7 +19,7 @@ sys.path[:0] = [str(ROOT / "cfd_solver"), str(CASE)]
 import plot
 import results
 import schumann
-from run import prepare, read_settings, run_case
+from run import prepare, run_case
 
 RATIOS = ("1", "1.5", "2", "2.5")
 

@@ -8,7 +8,6 @@ momentum is summed from LIGGGHTS' own dump.
 
 import argparse
 import itertools
-import re
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -19,6 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CASE = ROOT / "examples" / "slim_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import results
+from campaign import edit
 from run import prepare, run_case
 
 STEP, END = 1e-4, 0.01
@@ -37,22 +37,16 @@ velocity        upper set 0 0 -0.3 units box
 """
 
 
-def edit(path, pattern, replacement):
-    text, count = re.subn(pattern, lambda _: replacement, path.read_text(), flags=re.M | re.S)
-    assert count, f"{path}: nothing matches {pattern}"
-    path.write_text(text)
-
-
 def residual(folder, tolerance, correctors, outer):
     """@return momentum not accounted for by gas and particles together and by particles alone, of the impulse that went
     from gas to particles; largest difference of a cell's gas to the gas law, relative"""
     run = folder / f"tolerance={tolerance:g},correctors={correctors},outer={outer}"
     prepare(CASE, run, {"deltaT": f"{STEP}", "maxDeltaT": f"{STEP}", "endTime": f"{END}", "writeInterval": f"{END}", "height": "0.05",
                         "cellsHeight": "40"}, overwrite=True)
-    edit(run / "DEM/in.bed", r"^lattice .*?(?=\nlabel           filled)", CLOUDS)
+    edit(run / "DEM/in.bed", r"(?s)^lattice .*?(?=\nlabel           filled)", CLOUDS)
     edit(run / "DEM/in.bed", r"^dump .*?$", "dump particles all custom ${every} DEM/post/particles*.txt id mass vx vy vz\n"
          'dump_modify particles format "%d %.17g %.17g %.17g %.17g"')
-    edit(run / "system/fvSolution", r'"p\|pFinal".*?}',
+    edit(run / "system/fvSolution", r'(?s)"p\|pFinal".*?}',
          f'"p|pFinal" {{ solver GAMG; smoother GaussSeidel; tolerance {tolerance:g}; relTol 0; maxIter 100; }}')
     edit(run / "system/fvSolution", r"nOuterCorrectors\s+\d+;\s*nCorrectors\s+\d+;",
          f"nOuterCorrectors {outer}; nCorrectors {correctors};")

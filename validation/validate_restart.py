@@ -20,16 +20,11 @@ ROOT = Path(__file__).resolve().parent.parent
 CASE = ROOT / "examples" / "slim_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import results
+from campaign import edit
 import run as hotbed
 
 STOP, LATER, STEP = 0.02, 200, 2.5e-6
 SMALL = {"l": "2.5", "height": "0.05", "cellsHeight": "40"}
-
-
-def edit(path, pattern, replacement):
-    text, count = re.subn(pattern, lambda _: replacement, path.read_text(), flags=re.M)
-    assert count, f"{path}: nothing matches {pattern}"
-    path.write_text(text)
 
 
 def scene(folder, name, ranks, step, end, interval):

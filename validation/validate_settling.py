@@ -36,7 +36,6 @@ def fine(times):
 
     # nothing happens after 60 relaxation times
     inside = np.minimum(times, 60 * RELAXATION)
-    order = np.argsort(inside)
     solved = solve_ivp(acceleration, (0, inside.max()), [0.0], method="LSODA", t_eval=np.unique(inside), rtol=1e-11,
                        atol=1e-16)
     return np.interp(inside, solved.t, solved.y[0])

@@ -20,7 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import results
 import run as hotbed
-from stability_scenes import FIXED_BED, GRAVITY, HOT_SPHERE, SLIM, edit, scenes
+from campaign import edit
+from stability_scenes import FIXED_BED, GRAVITY, HOT_SPHERE, SLIM, scenes
 
 BUDGET, MISMATCH, BEYOND, SPEED = 1e-8, 1e-12, 1e-9, 3.0
 DIGIT = 2.0**-52

@@ -1,6 +1,5 @@
 """Small coupled scenes for the tests, made from the fixed-bed example in a temporary folder."""
 
-import re
 import sys
 import tempfile
 import unittest
@@ -9,6 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "cfd_solver"), str(ROOT / "validation")]
 import run
+from campaign import edit
 
 FIXED_BED = ROOT / "examples" / "fixed_bed"
 SLIM_BED = ROOT / "examples" / "slim_bed"
@@ -71,11 +71,3 @@ def copy(source, target):
     import shutil
 
     shutil.copytree(source, target)
-
-
-def edit(path, pattern, replacement):
-    """Replaces a regular expression in a file; it must be there."""
-    text = path.read_text()
-    changed, count = re.subn(pattern, replacement, text, flags=re.M)
-    assert count, f"{path}: nothing matches {pattern}"
-    path.write_text(changed)

@@ -1,12 +1,10 @@
 """Bad input ends with an error that names file, key and mend, before anything is computed, and nothing is overwritten."""
 
-import os
 import subprocess
 import sys
 import unittest
-from pathlib import Path
 
-from scenes import CoupledTest, FIXED_BED, SMALL, copy, edit, run
+from scenes import CoupledTest, FIXED_BED, SMALL, edit, run
 
 PROPERTIES, SCRIPT = "constant/couplingProperties", "DEM/in.fixed_bed"
 NAME = "couplingProperties"

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from scenes import CoupledTest, edit, run
+from scenes import CoupledTest
 import results
 
 NO_HEAT = ("DEM/in.fixed_bed", r"^fix\s+(heat|layers) .*", "")
