@@ -180,7 +180,8 @@ def start(run, ranks=1, log="log.hotbedFoam"):
 
 def finish(run, ranks=1, log="log.hotbedFoam"):
     """What follows a run: one set of fields from those of the ranks."""
-    if ranks > 1:
+    written = [p for p in Path(run).glob("processor0/[0-9]*") if re.fullmatch(r"[\d.e+-]+", p.name) and float(p.name) > 0]
+    if ranks > 1 and written:
         tool(run, "reconstructPar")
 
 
