@@ -128,7 +128,8 @@ void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, sc
         Info << line.str().c_str() << nl;
     };
     const scalar dem = largest(timing.of("DEM")), gas = largest(timing.of("gas"));
-    if (dem > 0) row("DEM, particle-steps a second", sum(particleSteps) / dem / 1e6, "million");
+    particleSteps = sum(particleSteps);
+    if (particleSteps > 0) row("DEM, particle-steps a second", particleSteps / dem / 1e6, "million");
     if (gas > 0) row("gas, cells a second", sum(mesh.nCells()) * scalar(steps) / gas / 1e6, "million");
     if (Pstream::parRun() && steps > 0)
         row("sent by a rank a step", largest(scalar(coupling.bytesSent())) / scalar(steps) / 1024, "KiB, exchange");
@@ -219,7 +220,7 @@ int main(int argc, char* argv[])
             {
                 const auto time = timing.measure("DEM");
                 dem->advance(substeps);
-                particleSteps += scalar(substeps) * dem->size();
+                if (dem->moving()) particleSteps += scalar(substeps) * dem->size();
             }
             bed.particlesHaveMoved();
             const auto time = timing.measure("output");
