@@ -61,8 +61,9 @@ int demSteps(const Time& runTime, const Dem& dem, const fileName& script)
     return whole;
 }
 
-/// With adjustTimeStep: the largest whole number of DEM steps that keeps maxCo and maxDeltaT, made a little smaller
-/// where that meets the next write time or the end.
+/// With adjustTimeStep: the largest whole number of DEM steps that keeps maxCo and maxDeltaT, made a little smaller, or
+/// up to a twentieth larger, where that meets the next write time or the end. No jumps: the gas takes up in one step
+/// what the particles have displaced in the one before.
 void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
 {
     const dictionary& control = runTime.controlDict();

@@ -47,8 +47,7 @@ def hotbed(folder, steps):
     prepare(CASE, folder, settings(steps), overwrite=True)
     run_case(folder)
     phases = results.timing(folder)
-    loop = sum(v for k, v in phases.items() if k not in ("DEM set-up", "everything else", "whole run", "memory"))
-    return results.seconds_a_step(folder / "log.hotbedFoam", SKIP) * phases["gas"] / loop
+    return results.seconds_a_step(folder / "log.hotbedFoam", SKIP) * phases["gas"] / results.loop_time(phases)
 
 
 def main():

@@ -47,8 +47,7 @@ def coupled(folder, l, ranks, steps):
     phases = results.timing(run)
     log = (run / "log.hotbedFoam").read_text()
     sent = re.search(r"sent by a rank a step\s+([\d.e+]+) KiB", log)
-    loop = sum(v for k, v in phases.items() if k not in ("DEM set-up", "everything else", "whole run", "memory"))
-    return loop, float(sent[1]) * 1024 if sent else 0.0, phases["memory"]
+    return results.loop_time(phases), float(sent[1]) * 1024 if sent else 0.0, phases["memory"]
 
 
 def main():

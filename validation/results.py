@@ -59,6 +59,11 @@ def timing(run):
     return table
 
 
+def loop_time(phases):
+    """Seconds a step of all phases of the time loop, from what `timing` gives."""
+    return sum(v for k, v in phases.items() if k not in ("DEM set-up", "everything else", "whole run", "memory"))
+
+
 def seconds_a_step(log, skip):
     """Processor seconds a time step from the ExecutionTime lines of an OpenFOAM solver's log, the first `skip` steps left out."""
     times = [float(t) for t in re.findall(r"(?m)^ExecutionTime = (\S+) s", Path(log).read_text())]
