@@ -25,35 +25,6 @@ double leastSteps(double damping)
 
 } // namespace
 
-std::vector<ContactConstants> contactConstants(LAMMPS& lmp)
-{
-    const int types = lmp.atom->ntypes;
-    const int used = lmp.force->registry.max_type(); // the matrices end with the largest type in use
-    const auto matrix = [&](const char* name)
-    { return lmp.force->registry.getMatrixProperty(name, "pair_style gran model hotbed")->data; };
-    double** kn = matrix("hotbed_kn");
-    double** kt = matrix("hotbed_kt");
-    double** dn = matrix("hotbed_dn");
-    double** dt = matrix("hotbed_dt");
-    double** etan = matrix("hotbed_etan");
-    double** etat = matrix("hotbed_etat");
-    double** mu = matrix("hotbed_friction");
-    std::vector<ContactConstants> constants;
-    for (int i = 1; i <= types; ++i)
-        for (int j = 1; j <= types; ++j)
-        {
-            if (std::max(i, j) > used)
-            {
-                constants.push_back(ContactConstants{});
-                continue;
-            }
-            const double softness = kt[i][j] > 0.0 ? 1.0 / kt[i][j] : 0.0;
-            constants.push_back(ContactConstants{Row{kn[i][j], etan[i][j], dn[i][j], mu[i][j]},
-                                                 Row{kt[i][j], etat[i][j], dt[i][j], softness}});
-        }
-    return constants;
-}
-
 std::vector<ContactTime> contactTimes(LAMMPS& lmp, const std::vector<ContactConstants>& constants)
 {
     const Atom& atom = *lmp.atom;

@@ -21,12 +21,8 @@ struct ContactTime
     double friction;   ///< coefficient
 };
 
-/// Contact constants of the coarse particles by pair of types, row by row; zero for types that nothing uses. For a
-/// script with pair_style gran model hotbed, after LIGGGHTS' init().
-std::vector<ContactConstants> contactConstants(LAMMPS_NS::LAMMPS& lmp);
-
 /// The pairs of types of which there are particles, over all ranks.
-/// @param constants  as contactConstants gives them
+/// @param constants  as contactTable gives them
 std::vector<ContactTime> contactTimes(LAMMPS_NS::LAMMPS& lmp, const std::vector<ContactConstants>& constants);
 
 } // namespace hotbed

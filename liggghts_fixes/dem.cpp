@@ -5,6 +5,7 @@
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
+#include "contact_constants.hpp"
 #include "register_contact.hpp"
 
 #include <algorithm>
@@ -111,7 +112,7 @@ std::vector<ContactTime> Dem::contacts()
     lmp.init();
     auto* pair = dynamic_cast<PairGran*>(lmp.force->pair);
     if (!pair || pair->hashcode() != contactCode()) return {};
-    return contactTimes(lmp, contactConstants(lmp));
+    return contactTimes(lmp, contactTable(lmp));
 }
 
 void Dem::setup(bool resumed)

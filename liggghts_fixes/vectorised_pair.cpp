@@ -2,6 +2,7 @@
 #include "fix_insert_stream.h"
 #include "vectorised_pair.hpp"
 
+#include "contact_constants.hpp"
 #include "contact_time.hpp"
 
 #include <algorithm>
@@ -50,8 +51,9 @@ void VectorisedPair::init_granular()
     plain_ = !enabled_ || !canVectorise() || modify.n_fixes_style_strict("freeze") > 0 ||
              modify.n_fixes_style("insert/stream/predefined") > 0 || modify.n_fixes_style("rigid") > 0;
 
-    constants_ = contactConstants(lmp_);
-    friction_ = std::any_of(constants_.begin(), constants_.end(), [](const auto& c) { return c.normal[3] > 0.0; });
+    constants_ = contactTable(lmp_);
+    friction_ = std::any_of(constants_.begin(), constants_.end(),
+                            [](const ContactConstants& c) { return c.normal[3] > 0.0; });
 }
 
 bool VectorisedPair::forcesOnly(PairGran& pair, int eflag, int vflag, int addflag) const
