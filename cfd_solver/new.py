@@ -33,7 +33,7 @@ def digits(value, count=2):
 
 
 def round_step(seconds):
-    """The longest of 1, 1.25, 1.6, 2, 2.5, 3.2, 4, 5, 8 times a power of ten that is not longer: write times are whole numbers of them."""
+    """The longest step of few digits that is not longer, of which write times are whole numbers."""
     power = 10.0 ** math.floor(math.log10(seconds))
     return float(f"{max(f for f in (1, 1.25, 1.6, 2, 2.5, 3.2, 4, 5, 8) if f * power <= seconds * (1 + 1e-9)) * power:.6g}")
 
@@ -42,7 +42,8 @@ def design(o):
     """name -> value of the settings of a case. Raises CaseError where the numbers do not go together.
 
     kn: a head-on impact at the speed of a fall through the bed's height, or at u0, overlaps by OVERLAP of the diameter.
-    DEM step: a contact has 10 of them, more where it is strongly damped. Gas step: as the Courant number allows, up to 160 of them.
+    DEM step: a contact has 10 of them, more where it is strongly damped. Gas step: as the Courant number allows, up to 160 of
+    them.
     """
     width, depth, height = o.size
     section, ball = width * depth, math.pi / 6 * o.diameter**3
@@ -51,24 +52,24 @@ def design(o):
     ratio = o.l or max(1.0, math.ceil(2 * (solids / ball / MOST) ** (1 / 3)) / 2)
     coarse = ratio * o.diameter
     if 3 * coarse > min(width, depth, height):
-        raise hotbed.CaseError(f"the bed of {width:g} x {depth:g} m is narrower than the kernel, three coarse particles of {coarse:g} m: "
-                               f"set --l to at most {min(width, depth, height) / 3 / o.diameter:.3g}, or a larger --size")
+        raise hotbed.CaseError(f"the bed of {width:g} x {depth:g} m is narrower than the kernel, three coarse particles of "
+                               f"{coarse:g} m: set --l to at most {min(width, depth, height) / 3 / o.diameter:.3g}, or a larger --size")
     lattice = 1.02 * coarse  # of the particles at the start, see DEM/in.bed
     filled = math.ceil(solids / (math.pi / 6 * coarse**3) / (int(width / lattice) * int(depth / lattice))) * lattice
     if filled > height:
         raise hotbed.CaseError(f"the particles fill {filled:.3g} m at the start, more than the height of {height:g} m: set a "
                                f"greater height in --size, or a smaller --static-height or --solids")
     if solids < math.pi / 6 * coarse**3:
-        raise hotbed.CaseError(f"the particles' volume of {solids:.3g} m3 is less than one coarse particle: set a larger --static-height or "
-                               "--solids, or a smaller --l")
+        raise hotbed.CaseError(f"the particles' volume of {solids:.3g} m3 is less than one coarse particle: set a larger "
+                               "--static-height or --solids, or a smaller --l")
     mass = o.density * ball
     speed = max(math.sqrt(2 * GRAVITY * packed_height), o.u0)
     kn = digits(mass / 2 * (speed / (OVERLAP * o.diameter)) ** 2)
     step = round_step(math.pi * math.sqrt(mass / (2 * kn)) / (10 / o.restitution ** (1 / 3)))
     cell = max(CELL * o.diameter, coarse)
     cells = [max(1, int(extent / cell * (1 + 1e-9))) for extent in o.size]
-    return {"l": ratio, "u0": o.u0, "deltaT": digits(10 * step, 6), "maxDeltaT": digits(160 * step, 6), "deltaTDEM": step, "kn": kn,
-            "endTime": o.end, "writeInterval": digits(o.end / 10, 6), "width": width, "depth": depth, "height": height,
+    return {"l": ratio, "u0": o.u0, "deltaT": digits(10 * step, 6), "maxDeltaT": digits(160 * step, 6), "deltaTDEM": step,
+            "kn": kn, "endTime": o.end, "writeInterval": digits(o.end / 10, 6), "width": width, "depth": depth, "height": height,
             "cellsWidth": cells[0], "cellsDepth": cells[1], "cellsHeight": cells[2], "solids": digits(solids, 9)}
 
 
@@ -103,13 +104,14 @@ def write(o, command):
             (r"(coefficientRestitution peratomtypepair 1) \S+", r"\1 ${restitution}"),
             (r"(coefficientFriction peratomtypepair 1) \S+", r"\1 ${friction}"),
             (r"(thermalCapacity peratomtype) \S+", r"\1 ${heatCapacity}"),
-            (r"(initial_temperature) \S+", r"\1 ${temperature}"), (r"(?m)^# Hot gamma-alumina.*", "# Particles that start on a lattice above the inlet."))
+            (r"(initial_temperature) \S+", r"\1 ${temperature}"),
+            (r"(?m)^# Hot gamma-alumina.*", "# Particles that start on a lattice above the inlet."))
     replace(case / "0/T", (r"\ndimensions", '\n#include "../settings"\n\ndimensions'), (r"293\.15", "$inletTemperature"))
     molar, capacity, prandtl, *_ = GASES[o.gas]
     replace(case / "constant/thermophysicalProperties", (r"molWeight \S+; \} // nitrogen", f"molWeight {molar}; }} // {o.gas}"),
             (r"Cp \S+;", f"Cp {capacity};"),
-            (r"mu \S+; Pr \S+; \} // .*", f"mu {viscosity(o.gas, o.temperature):.4g}; Pr {prandtl}; }} // mu at {o.temperature:g} K by Sutherland; "
-             "k = mu Cp / Pr"))
+            (r"mu \S+; Pr \S+; \} // .*", f"mu {viscosity(o.gas, o.temperature):.4g}; Pr {prandtl}; }} "
+             f"// mu at {o.temperature:g} K by Sutherland; k = mu Cp / Pr"))
     return settings
 
 
@@ -121,24 +123,30 @@ def positive(text):
 
 
 def parser():
-    p = argparse.ArgumentParser(prog="hotbed new", formatter_class=argparse.ArgumentDefaultsHelpFormatter,
-                                description="Writes a case of a fluidised bed, ready to run, from a few numbers.")
+    p = argparse.ArgumentParser(prog="hotbed new", description="Writes a case of a fluidised bed, ready to run, from a few numbers.")
     p.add_argument("name", help="folder of the new case")
-    p.add_argument("--size", type=positive, nargs=3, metavar=("W", "D", "H"), default=[0.02, 0.01, 0.1], help="width, depth, height of the column [m]")
-    p.add_argument("--diameter", type=positive, default=5e-4, help="of the original particle [m]")
-    p.add_argument("--density", type=positive, default=1040.0, help="of the particle [kg/m3]")
+    p.add_argument("--u0", type=positive, required=True, help="superficial gas velocity [m/s]; the bed bubbles at two to five "
+                   "times the minimum fluidisation velocity that `hotbed check` tells")
+
+    def number(name, default, what, **more):
+        p.add_argument(name, type=positive, default=default, help=f"{what} (default {default})", **more)
+
+    p.add_argument("--size", type=positive, nargs=3, metavar=("W", "D", "H"), default=[0.02, 0.01, 0.1],
+                   help="width, depth, height of the column [m] (default 0.02 0.01 0.1)")
+    number("--diameter", 5e-4, "of the original particle [m]")
+    number("--density", 1040, "of the particle [kg/m3]")
     amount = p.add_mutually_exclusive_group()
     amount.add_argument("--solids", type=positive, help="volume of all particles [m3]")
-    amount.add_argument("--static-height", type=positive, help="height of the settled bed at voidage 0.4 [m] (default: a quarter of the column)")
-    p.add_argument("--gas", choices=sorted(GASES), default="nitrogen", help="gas, at 101325 Pa")
-    p.add_argument("--u0", type=positive, required=True, help="superficial gas velocity [m/s]; two to five times what `hotbed check` says for minimum fluidisation bubbles")
+    amount.add_argument("--static-height", type=positive,
+                        help="height of the settled bed at voidage 0.4 [m] (default: a quarter of the column)")
+    p.add_argument("--gas", choices=sorted(GASES), default="nitrogen", help="at 101325 Pa (default nitrogen)")
     p.add_argument("--l", type=positive, help=f"coarse-graining ratio [-] (default: for at most {MOST:,} particles)")
-    p.add_argument("--temperature", type=positive, default=363.15, help="of the particles at the start [K]")
-    p.add_argument("--inlet-temperature", type=positive, default=293.15, help="of the gas [K]")
-    p.add_argument("--heat-capacity", type=positive, default=779.0, help="of the particle [J/kg/K]")
-    p.add_argument("--restitution", type=positive, default=0.74, help="coefficient, normal [-]")
-    p.add_argument("--friction", type=float, default=0.1, help="coefficient [-]")
-    p.add_argument("--end", type=positive, default=0.5, help="end time [s]")
+    number("--temperature", 363.15, "of the particles at the start [K]")
+    number("--inlet-temperature", 293.15, "of the gas that comes in, and of that there is at the start [K]")
+    number("--heat-capacity", 779, "of the particle [J/kg/K]")
+    number("--restitution", 0.74, "coefficient, normal [-]")
+    p.add_argument("--friction", type=float, default=0.1, help="coefficient [-] (default 0.1)")
+    number("--end", 0.5, "end time [s]")
     return p
 
 
@@ -153,8 +161,9 @@ def main():
     except hotbed.CaseError as problem:
         sys.exit(f"hotbed: {problem}")
     count = settings["solids"] / (math.pi / 6 * (settings["l"] * options.diameter) ** 3)
-    print(f"{options.name}: {count:,.0f} coarse particles, l = {settings['l']:g}, kn = {settings['kn']:g} N/m, DEM step {settings['deltaTDEM']:g} s, "
-          f"{settings['cellsWidth']} x {settings['cellsDepth']} x {settings['cellsHeight']} cells; numbers to change in {options.name}/settings\n"
+    print(f"{options.name}: {count:,.0f} coarse particles, l = {settings['l']:g}, kn = {settings['kn']:g} N/m, "
+          f"DEM step {settings['deltaTDEM']:g} s, {settings['cellsWidth']} x {settings['cellsDepth']} x {settings['cellsHeight']} "
+          f"cells; numbers to change in {options.name}/settings\n"
           f"next: ./hotbed check {options.name}, then ./hotbed run {options.name}")
 
 
