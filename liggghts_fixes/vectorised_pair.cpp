@@ -52,8 +52,8 @@ void VectorisedPair::init_granular()
              modify.n_fixes_style("insert/stream/predefined") > 0 || modify.n_fixes_style("rigid") > 0;
 
     constants_ = contactTable(lmp_);
-    friction_ = std::any_of(constants_.begin(), constants_.end(),
-                            [](const ContactConstants& c) { return c.normal[3] > 0.0; });
+    friction_ =
+        std::any_of(constants_.begin(), constants_.end(), [](const ContactConstants& c) { return c.normal[3] > 0.0; });
 }
 
 bool VectorisedPair::forcesOnly(PairGran& pair, int eflag, int vflag, int addflag) const
