@@ -9,6 +9,7 @@ import unittest
 from scenes import CoupledTest, ROOT, SLIM_BED, copy, edit
 import check
 import check_rows
+from test_in_and_out import HEAD, PACK, REGION
 
 EXAMPLES = ROOT / "examples"
 SMALL = {"l": 2.5, "width": 0.01, "depth": 0.005, "height": 0.03, "cellsWidth": 8, "cellsDepth": 4, "cellsHeight": 24, "solids": 2.75e-7}
@@ -71,6 +72,18 @@ class Check(CoupledTest):
         copy(SLIM_BED, case)
         edit(case / "constant/couplingProperties", r"^drag .*", "drag Bestra;")
         self.assertIn("unknown drag 'Bestra'", table(case)[1]["solver"].text)
+
+    def test_several_types_and_an_empty_domain(self):
+        case = self.folder / "case"
+        copy(SLIM_BED, case)
+        rows = {}
+        for name, insertion, end in (("empty", REGION.format(more=""), ""), ("filled", PACK, "run 1\n")):
+            (case / "DEM/in.bed").write_text(HEAD.format(insertion=insertion, low=0, high="${height}", settings="") + end)
+            _, rows[name] = table(case, **{**SMALL, "depth": 0.01, "cellsDepth": 8})
+            self.assertEqual(self.refused(rows[name]), set(), rows[name])
+        self.assertIn("no particles yet", rows["empty"]["contact time"].text)
+        pairs = {name for name in rows["filled"] if name.startswith("contact time")}
+        self.assertEqual(pairs, {"contact time 1-1", "contact time 1-2", "contact time 2-2"})
 
     def test_advice(self):
         def advised(**settings):
