@@ -357,6 +357,14 @@ scalar Gas::pressureDrop() const
     return in[0] > 0 && out[0] > 0 ? in[1] / in[0] - out[1] / out[0] : 0;
 }
 
+scalar Gas::inflow() const
+{
+    scalar sum = 0;
+    forAll(phi_.boundaryField(), patch) if (!mesh_.boundary()[patch].coupled()) sum +=
+        max(-gSum(scalarField(phi_.boundaryField()[patch] / rho_.boundaryField()[patch])), 0.0);
+    return sum;
+}
+
 scalar Gas::courantRate() const
 {
     const scalarField sumPhi(fvc::surfaceSum(mag(phi_))->primitiveField());

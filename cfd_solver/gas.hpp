@@ -54,6 +54,7 @@ public:
     /// Mean pressure of the patches through which more gas enters than leaves, less that of the others [Pa]; 0 without
     /// both.
     Foam::scalar pressureDrop() const;
+    Foam::scalar inflow() const;        ///< of the patches through which more gas enters than leaves [m3/s]
     Foam::scalar courantRate() const;   ///< largest Courant number over the time step, all cells and ranks [1/s]
     Foam::scalar energyContent() const; ///< sum voidage rho h V over all ranks [J]
     Foam::scalar energyInflow() const { return energyInflow_; } ///< enthalpy that entered in the last step [J]

@@ -2,6 +2,7 @@
 /// instance on its own MPI ranks. Case: see docs/case.md. Options are those of any OpenFOAM solver.
 
 #include "bed.hpp"
+#include "check.hpp"
 #include "coupling.hpp"
 #include "gas.hpp"
 #include "restart.hpp"
@@ -146,6 +147,7 @@ int main(int argc, char* argv[])
     enterCase(argc, argv);
     argList::addNote("Coarse-grained CFD-DEM with gas-particle heat transfer: LIGGGHTS particles in OpenFOAM gas.");
     argList::noCheckProcessorDirectories();
+    Check::addOption();
     argList args(argc, argv);
     if (!args.checkRootCase()) FatalError.exit();
     bool ownMpi = false;
@@ -157,6 +159,7 @@ int main(int argc, char* argv[])
     const double start = MPI_Wtime();
     long steps = 0;
     scalar particleSteps = 0;
+    Check check(args);
     {
         checkVersion();
         Restart::setAsideUnfinished(args.globalPath());
@@ -172,6 +175,7 @@ int main(int argc, char* argv[])
             variables.emplace_back("resume", restart.resumed() ? "1" : "0");
             variables.emplace_back("restart", restart.particles());
             dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, variables, "log.liggghts");
+            check.particles(*dem);
             demSteps(runTime, *dem, settings.demScript);
             if (restart.resumed() && dem->step() != restart.state().get<label>("demStep"))
                 FatalErrorInFunction << settings.demScript
@@ -195,6 +199,7 @@ int main(int argc, char* argv[])
         coupling.map();
         if (!restart.resumed()) coupling.refuseOutside(); // on their way they may leave the mesh
         gas.initialise(restart.resumed());
+        check.gas(settings, mesh, *dem, gas);
         printOptions(*dem, coupling, settings);
         Bed bed(mesh, coupling, *dem, gas, settings.bedInterval);
         if (restart.resumed()) bed.resume(restart.state());
@@ -236,8 +241,10 @@ int main(int argc, char* argv[])
                 restart.complete(state);
             }
             ++steps;
+            if (check.enough(timing.of("DEM"), courantRate, substeps, runTime.value())) break;
             runTime.printExecutionTime(Info);
         }
+        check.cost();
         bed.finish(static_cast<OSstream&>(Info));
         dem->finish();
         for (const auto& part : dem->times()) timing.add("DEM: " + part.first, part.second);

@@ -236,6 +236,17 @@ def run_case(run, ranks=1):
     finish(run, ranks)
 
 
+def assignments(items):
+    """name -> value of the words after --set."""
+    changes = {}
+    for item in items:
+        name, equals, value = item.partition("=")
+        if not equals or not value:
+            raise CaseError(f"--set {item}: write name=value")
+        changes[name] = value
+    return changes
+
+
 def main():
     parser = argparse.ArgumentParser(prog="hotbed run", description="Runs a case, coupled.")
     parser.add_argument("case", type=Path, help="folder of the case")
@@ -251,12 +262,7 @@ def main():
     try:
         if options.np < 1:
             raise CaseError("-np must be at least 1")
-        changes = {}
-        for item in options.set:
-            name, equals, value = item.partition("=")
-            if not equals or not value:
-                raise CaseError(f"--set {item}: write name=value")
-            changes[name] = value
+        changes = assignments(options.set)
         label = ",".join((["full"] if options.full else []) + [f"{k}={v}" for k, v in changes.items()]) or "default"
         if options.until:
             changes["endTime"] = options.until

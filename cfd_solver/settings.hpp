@@ -2,6 +2,8 @@
 
 #include "fvCFD.H"
 
+#include "closures.hpp"
+
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,8 +15,6 @@ namespace hotbed
 /// with #include, the DEM script as LIGGGHTS variables.
 /// @return every single-valued entry, in file order; empty without the file
 std::vector<std::pair<std::string, std::string>> readSettings(const Foam::Time& runTime);
-
-using DragLaw = void (*)(int n, const double* voidage, const double* reynolds, double* beta);
 
 /// constant/couplingProperties, checked whole before anything is computed.
 struct CouplingSettings

@@ -20,6 +20,9 @@ void beetstra(int n, const double* voidage, const double* reynolds, double* beta
 /// @param beta      set [-]
 void ergunWenYu(int n, const double* voidage, const double* reynolds, double* beta);
 
+/// A drag law: one of the two above.
+using DragLaw = void (*)(int n, const double* voidage, const double* reynolds, double* beta);
+
 /// Nusselt number of a sphere in a bed. Gunn (1978), paper eq 9; fitted for voidage 0.35 to 1 and reynolds up to 1e5.
 /// @param voidage   gas holdup, (0, 1]
 /// @param reynolds  eq 6, >= 0

@@ -51,8 +51,8 @@ class Run:
 
     def weight(self):
         """Weight of the particles over the cross-section [Pa]."""
-        density = float(re.search(r"(?m)^fix\s+\S+\s+all\s+hotbed/coarsegrain.*density\s+(\S+)",
-                                  (self.folder / "DEM/in.bed").read_text())[1])
+        density = float(self.setting.get("density") or re.search(r"(?m)^fix\s+\S+\s+all\s+hotbed/coarsegrain.*density\s+(\S+)",
+                                                                 (self.folder / "DEM/in.bed").read_text())[1])
         g = re.search(r"value\s*\(([^)]*)\)", (self.folder / "constant/g").read_text())[1]
         return (float(self.setting["solids"]) * density * np.linalg.norm([float(x) for x in g.split()])
                 / (self.width * self.depth))

@@ -5,6 +5,8 @@
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
+#include "contact_constants.hpp"
+#include "register_contact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -103,6 +105,15 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
 }
 
 Dem::~Dem() = default;
+
+std::vector<ContactTime> Dem::contacts()
+{
+    LAMMPS& lmp = *instance_->lmp;
+    lmp.init();
+    auto* pair = dynamic_cast<PairGran*>(lmp.force->pair);
+    if (!pair || pair->hashcode() != contactCode()) return {};
+    return contactTimes(lmp, contactTable(lmp));
+}
 
 void Dem::setup(bool resumed)
 {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "contact_time.hpp"
+
 #include <mpi.h>
 
 #include <memory>
@@ -23,6 +25,10 @@ public:
     Dem(MPI_Comm communicator, const std::string& script,
         const std::vector<std::pair<std::string, std::string>>& variables, const std::string& log);
     ~Dem();
+
+    /// How well the DEM step resolves the contacts, before the set-up of a run refuses it; empty without particles and
+    /// without pair_style gran model hotbed.
+    std::vector<ContactTime> contacts();
 
     /// Set-up of the run (lists, ghosts, first forces); after it particles can be read.
     /// @param resumed  the script read what writeRestart wrote: forces go on from there

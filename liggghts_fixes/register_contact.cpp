@@ -38,4 +38,9 @@ void registerContact()
     Walls::Factory::instance().addStyle("gran", ContactStyle::HASHCODE, &makeWall);
 }
 
+std::int64_t contactCode()
+{
+    return ContactStyle::HASHCODE;
+}
+
 } // namespace hotbed

@@ -3,12 +3,11 @@
 #include "vectorised_pair.hpp"
 
 #include "contact_constants.hpp"
+#include "contact_time.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 
 using namespace LAMMPS_NS;
 
@@ -52,32 +51,9 @@ void VectorisedPair::init_granular()
     plain_ = !enabled_ || !canVectorise() || modify.n_fixes_style_strict("freeze") > 0 ||
              modify.n_fixes_style("insert/stream/predefined") > 0 || modify.n_fixes_style("rigid") > 0;
 
-    const int types = lmp_.atom->ntypes;
-    const int used = lmp_.force->registry.max_type(); // the matrices end with the largest type in use
-    const auto matrix = [&](const char* name)
-    { return lmp_.force->registry.getMatrixProperty(name, "pair_style gran model hotbed")->data; };
-    double** kn = matrix("hotbed_kn");
-    double** kt = matrix("hotbed_kt");
-    double** dn = matrix("hotbed_dn");
-    double** dt = matrix("hotbed_dt");
-    double** etan = matrix("hotbed_etan");
-    double** etat = matrix("hotbed_etat");
-    double** mu = matrix("hotbed_friction");
-    constants_.clear();
-    friction_ = false;
-    for (int i = 1; i <= types; ++i)
-        for (int j = 1; j <= types; ++j)
-        {
-            if (std::max(i, j) > used)
-            {
-                constants_.push_back(ContactConstants{});
-                continue;
-            }
-            const double softness = kt[i][j] > 0.0 ? 1.0 / kt[i][j] : 0.0;
-            constants_.push_back(ContactConstants{Row{kn[i][j], etan[i][j], dn[i][j], mu[i][j]},
-                                                  Row{kt[i][j], etat[i][j], dt[i][j], softness}});
-            friction_ |= mu[i][j] > 0.0;
-        }
+    constants_ = contactTable(lmp_);
+    friction_ =
+        std::any_of(constants_.begin(), constants_.end(), [](const ContactConstants& c) { return c.normal[3] > 0.0; });
 }
 
 bool VectorisedPair::forcesOnly(PairGran& pair, int eflag, int vflag, int addflag) const
@@ -122,51 +98,28 @@ void VectorisedPair::takeList(PairGran& pair)
     stale_ = false;
 }
 
-/// Steps that the contact of two particles must have so that a dense packing of such contacts cannot gain energy. The
-/// stiffest motion of a face-centred cubic packing has twice the frequency and twice the damping ratio of one contact;
-/// the integration (forces with the velocity of half a step before) holds up to frequency * step =
-/// 2 (sqrt(1 + ratio^2) - ratio). Found so by trial too, see docs/pair_gran_hotbed.md; a fifth more is asked for.
-/// @param damping  damping ratio of the contact
-static double leastSteps(double damping)
-{
-    return 1.2 * M_PI * (std::sqrt(1.0 + 4.0 * damping * damping) + 2.0 * damping);
-}
-
 /// Ends the run with an error where the contact of the lightest particles is too short for the time step.
 void VectorisedPair::checkTimestep()
 {
-    const Atom& atom = *lmp_.atom;
-    std::vector<double> lightest(std::size_t(atom.ntypes), std::numeric_limits<double>::max());
-    for (int i = 0; i < atom.nlocal; ++i)
-        lightest[atom.type[i] - 1] = std::min(lightest[atom.type[i] - 1], atom.rmass[i]);
-    MPI_Allreduce(MPI_IN_PLACE, lightest.data(), atom.ntypes, MPI_DOUBLE, MPI_MIN, lmp_.world);
-
     const double dt = lmp_.update->dt;
-    const double none = std::numeric_limits<double>::max();
-    for (int i = 0; i < atom.ntypes; ++i)
-        for (int j = i; j < atom.ntypes; ++j)
-        {
-            const Row& c = constants_[std::size_t(i) * atom.ntypes + j].normal;
-            if (lightest[i] == none || lightest[j] == none || !(c[0] > 0.0)) continue;
-            const double mass = lightest[i] * lightest[j] / (lightest[i] + lightest[j]);
-            const double least = leastSteps((c[1] + c[2] * std::sqrt(mass)) / (2.0 * std::sqrt(c[0] * mass)));
-            const double steps = M_PI * std::sqrt(mass / c[0]) / dt;
-            const bool refused = steps < least;
-            if (!refused && (warned_ || steps > 2.0 * least)) continue;
-            char text[512];
-            std::snprintf(text, sizeof text,
-                          "pair_style gran model hotbed: the contact of the lightest particles of types %d and %d has "
-                          "%.3g time steps, %s: set timestep to at most %.3g (it is %.3g), or kn to at most %.3g times "
-                          "what it is",
-                          i + 1, j + 1, steps,
-                          refused ? "too few: the particles would gain energy from nothing"
-                                  : "few: restitution and packing are inaccurate",
-                          dt * steps / (refused ? least : 2.0 * least), dt,
-                          std::pow(steps / (refused ? least : 2.0 * least), 2));
-            if (refused) lmp_.error->all(FLERR, text);
-            if (lmp_.comm->me == 0) lmp_.error->warning(FLERR, text);
-            warned_ = true;
-        }
+    for (const ContactTime& contact : contactTimes(lmp_, constants_))
+    {
+        const bool refused = contact.steps < contact.least;
+        if (!refused && (warned_ || contact.steps > 2.0 * contact.least)) continue;
+        const double share = contact.steps / (refused ? contact.least : 2.0 * contact.least);
+        char text[512];
+        std::snprintf(text, sizeof text,
+                      "pair_style gran model hotbed: the contact of the lightest particles of types %d and %d has "
+                      "%.3g time steps, %s: set timestep to at most %.3g (it is %.3g), or kn to at most %.3g times "
+                      "what it is",
+                      contact.first, contact.second, contact.steps,
+                      refused ? "too few: the particles would gain energy from nothing"
+                              : "few: restitution and packing are inaccurate",
+                      dt * share, dt, share * share);
+        if (refused) lmp_.error->all(FLERR, text);
+        if (lmp_.comm->me == 0) lmp_.error->warning(FLERR, text);
+        warned_ = true;
+    }
 }
 
 void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int addflag)
