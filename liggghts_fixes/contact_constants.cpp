@@ -5,6 +5,7 @@
 #include "closures.hpp"
 #include "fix_hotbed_coarsegrain.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -163,6 +164,35 @@ MatrixProperty* friction(PropertyRegistry& registry, const char* caller, bool)
     FixPropertyGlobal& mu = required(registry, "coefficientFriction", "[-]", caller);
     return fill(registry,
                 [&](int i, int j) { return value(registry, mu, "coefficientFriction", notNegative, ">= 0", i, j); });
+}
+
+std::vector<ContactConstants> contactTable(LAMMPS& lmp)
+{
+    PropertyRegistry& registry = lmp.force->registry;
+    const int types = lmp.atom->ntypes;
+    const int used = registry.max_type(); // the matrices end with the largest type in use
+    const auto matrix = [&](const char* name) { return registry.getMatrixProperty(name, "model hotbed")->data; };
+    double** kn = matrix("hotbed_kn");
+    double** kt = matrix("hotbed_kt");
+    double** dn = matrix("hotbed_dn");
+    double** dt = matrix("hotbed_dt");
+    double** etan = matrix("hotbed_etan");
+    double** etat = matrix("hotbed_etat");
+    double** mu = matrix("hotbed_friction");
+    std::vector<ContactConstants> table;
+    for (int i = 1; i <= types; ++i)
+        for (int j = 1; j <= types; ++j)
+        {
+            if (std::max(i, j) > used)
+            {
+                table.push_back(ContactConstants{});
+                continue;
+            }
+            const double softness = kt[i][j] > 0.0 ? 1.0 / kt[i][j] : 0.0;
+            table.push_back(ContactConstants{Row{kn[i][j], etan[i][j], dn[i][j], mu[i][j]},
+                                             Row{kt[i][j], etat[i][j], dt[i][j], softness}});
+        }
+    return table;
 }
 
 } // namespace hotbed

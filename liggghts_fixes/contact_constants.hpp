@@ -4,7 +4,11 @@
 /// original particle's constants that the script gives as property/global ... peratomtypepair; the coarse-graining
 /// ratio comes from its one owner, fix hotbed/coarsegrain. Errors name the property and the mend.
 
+#include "contact_kernel.hpp"
+
 #include "property_registry.h"
+
+#include <vector>
 
 namespace hotbed
 {
@@ -25,6 +29,9 @@ MatrixProperty* tangentialDashpots(PropertyRegistry& registry, const char* calle
 
 /// coefficientFriction [-]
 MatrixProperty* friction(PropertyRegistry& registry, const char* caller, bool sanityChecks);
+
+/// The constants of all pairs of types, row by row, of a law that is connected; zero for types that are not in use.
+std::vector<ContactConstants> contactTable(LAMMPS_NS::LAMMPS& lmp);
 
 template <class Creator>
 void connect(PropertyRegistry& registry, const char* name, Creator creator, double**& data, const char* caller)

@@ -1,5 +1,6 @@
 #include "contact_kernel.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -274,18 +275,23 @@ template <bool friction> inline void scatter(const Batch& batch, Load* load)
         for (int a = 0; a < 3; ++a) batch.spring[k][a] = batch.stretch[a][k];
 }
 
-template <bool friction> inline void addLoads(ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
+/// Some contact in each lane
+inline void fill(Batch& batch, const ContactConstants& c)
 {
-    Batch batch;
     for (int k = 0; k < width; k += 4)
     {
-        const ContactConstants& c = step.constants[0];
         const Row contact{1.0, 0.0, 0.0, 1.0};
         put(batch.delta, k, contact, contact, contact, contact);
         put(batch.velocity, k, contact, contact, contact, contact);
         put(batch.normal, k, c.normal, c.normal, c.normal, c.normal);
         put(batch.tangential, k, c.tangential, c.tangential, c.tangential, c.tangential);
     }
+}
+
+template <bool friction> inline void addLoads(ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
+{
+    Batch batch;
+    fill(batch, step.constants[0]);
     for (int p = 0; p < int(pairs.i.size());)
     {
         p = find(batch, pairs, step, rows.place.data(), p);
@@ -316,12 +322,56 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
         addLoads<false>(pairs, step, rows);
 
     for (int i = 0; i < particles.local; ++i)
-        for (int a = 0; a < 3; ++a)
+    {
+        for (int a = 0; a < 3; ++a) particles.force[i][a] += load[i].force[a];
+        if (step.friction)
+            for (int a = 0; a < 3; ++a) particles.torque[i][a] += load[i].torque[a];
+        load[i] = Load{};
+    }
+    std::fill(load + particles.local, load + particles.all, Load{});
+}
+
+inline void runWall(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+                    const ContactConstants* constants, double timestep)
+{
+    Batch batch;
+    fill(batch, constants[0]);
+    const int count = int(contacts.size());
+    for (int start = 0; start < count; start += width)
+    {
+        const WallContact* contact = &contacts[start];
+        const int n = count - start < width ? count - start : width;
+        for (int k = 0; k < n; ++k)
         {
-            particles.force[i][a] += load[i].force[a];
-            particles.torque[i][a] += load[i].torque[a];
+            const int i = contact[k].particle;
+            const ContactConstants& c = constants[contact[k].type];
+            for (int a = 0; a < 3; ++a)
+            {
+                batch.delta[a][k] = contact[k].from[a];
+                batch.velocity[a][k] = particles.v[i][a];
+                batch.spin_i[a][k] = particles.omega[i][a];
+                batch.stretch[a][k] = contact[k].spring[a];
+            }
+            batch.delta[3][k] = batch.spin_i[3][k] = particles.radius[i];
+            batch.velocity[3][k] = 1.0 / particles.mass[i];
+            for (int a = 0; a < 4; ++a)
+            {
+                batch.normal[a][k] = c.normal[a];
+                batch.tangential[a][k] = c.tangential[a];
+            }
         }
-    std::memset(static_cast<void*>(load), 0, rows.load.size() * sizeof(Load));
+        law<true>(batch, timestep);
+        for (int k = 0; k < n; ++k)
+        {
+            const int i = contact[k].particle;
+            for (int a = 0; a < 3; ++a)
+            {
+                particles.force[i][a] += batch.force[a][k];
+                particles.torque[i][a] -= batch.force[3][k] * batch.turn[a][k];
+                contact[k].spring[a] = batch.stretch[a][k];
+            }
+        }
+    }
 }
 
 // all of the above, compiled for each of the two
@@ -337,11 +387,31 @@ runAvx512(const ContactParticles& particles, ContactPairs& pairs, const ContactS
     run(particles, pairs, step, rows);
 }
 
+__attribute__((target("arch=x86-64-v3"), flatten)) void wallAvx2(const ContactParticles& particles,
+                                                                 const std::vector<WallContact>& contacts,
+                                                                 const ContactConstants* constants, double timestep)
+{
+    runWall(particles, contacts, constants, timestep);
+}
+
+__attribute__((target("arch=x86-64-v4"), flatten)) void wallAvx512(const ContactParticles& particles,
+                                                                   const std::vector<WallContact>& contacts,
+                                                                   const ContactConstants* constants, double timestep)
+{
+    runWall(particles, contacts, constants, timestep);
+}
+
 } // namespace
 
 bool canVectorise()
 {
     return __builtin_cpu_supports("x86-64-v3");
+}
+
+void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+                const ContactConstants* constants, double timestep)
+{
+    (__builtin_cpu_supports("x86-64-v4") ? wallAvx512 : wallAvx2)(particles, contacts, constants, timestep);
 }
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)

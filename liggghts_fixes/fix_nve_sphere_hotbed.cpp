@@ -62,6 +62,7 @@ template <bool second, bool first> inline void block(const Spheres& p, const Ste
     double* __restrict f = p.f + 3 * start;
     double* __restrict omega = p.omega + 3 * start;
     const double* __restrict torque = p.torque + 3 * start;
+    const double drift = step.drift;
     for (int k = 0; k < 3 * n; ++k)
     {
         const double force = f[k] + weight[k];
@@ -75,7 +76,7 @@ template <bool second, bool first> inline void block(const Spheres& p, const Ste
         v[k] = velocity;
         omega[k] = rotation;
         if (first)
-            x[k] += (kick[k] > 0.0 ? step.drift : 0.0) * velocity;
+            x[k] += (kick[k] > 0.0 ? drift : 0.0) * velocity;
         else
             f[k] = kick[k] > 0.0 ? force : f[k];
     }

@@ -22,6 +22,32 @@ constexpr int flagBits =
 
 } // namespace
 
+std::vector<char*> withoutKeyword(LAMMPS& lmp, int narg, char** arg, bool& vectorised)
+{
+    Settings own(&lmp);
+    own.registerOnOff("vectorised", vectorised, true);
+    std::vector<char*> others;
+    for (int a = 0; a < narg; ++a)
+    {
+        if (std::strcmp(arg[a], "vectorised") != 0 || a + 1 == narg)
+            others.push_back(arg[a]);
+        else if (!own.parseArguments(2, &arg[a++]))
+            lmp.error->all(FLERR, own.error_message.c_str());
+    }
+    return others;
+}
+
+ContactParticles contactParticles(const Atom& atom)
+{
+    // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
+    const auto block = [](double** rows) { return reinterpret_cast<double(*)[3]>(rows[0]); };
+    return {atom.nlocal,       atom.nlocal + atom.nghost,
+            block(atom.x),     block(atom.v),
+            block(atom.omega), atom.radius,
+            atom.rmass,        block(atom.f),
+            block(atom.torque)};
+}
+
 VectorisedPair::VectorisedPair(LAMMPS* lmp, PairGran* parent, int64_t hash)
     : PlainPair(lmp, parent, hash), lmp_(*lmp), offset_(get_history_offset("hotbed_spring"))
 {
@@ -29,16 +55,7 @@ VectorisedPair::VectorisedPair(LAMMPS* lmp, PairGran* parent, int64_t hash)
 
 void VectorisedPair::settings(int narg, char** arg, LIGGGHTS::IContactHistorySetup* setup)
 {
-    Settings own(&lmp_);
-    own.registerOnOff("vectorised", enabled_, true);
-    std::vector<char*> others;
-    for (int a = 0; a < narg; ++a)
-    {
-        if (std::strcmp(arg[a], "vectorised") != 0 || a + 1 == narg)
-            others.push_back(arg[a]);
-        else if (!own.parseArguments(2, &arg[a++]))
-            lmp_.error->all(FLERR, own.error_message.c_str());
-    }
+    std::vector<char*> others = withoutKeyword(lmp_, narg, arg, enabled_);
     PlainPair::settings(int(others.size()), others.data(), setup);
 }
 
@@ -52,32 +69,9 @@ void VectorisedPair::init_granular()
     plain_ = !enabled_ || !canVectorise() || modify.n_fixes_style_strict("freeze") > 0 ||
              modify.n_fixes_style("insert/stream/predefined") > 0 || modify.n_fixes_style("rigid") > 0;
 
-    const int types = lmp_.atom->ntypes;
-    const int used = lmp_.force->registry.max_type(); // the matrices end with the largest type in use
-    const auto matrix = [&](const char* name)
-    { return lmp_.force->registry.getMatrixProperty(name, "pair_style gran model hotbed")->data; };
-    double** kn = matrix("hotbed_kn");
-    double** kt = matrix("hotbed_kt");
-    double** dn = matrix("hotbed_dn");
-    double** dt = matrix("hotbed_dt");
-    double** etan = matrix("hotbed_etan");
-    double** etat = matrix("hotbed_etat");
-    double** mu = matrix("hotbed_friction");
-    constants_.clear();
-    friction_ = false;
-    for (int i = 1; i <= types; ++i)
-        for (int j = 1; j <= types; ++j)
-        {
-            if (std::max(i, j) > used)
-            {
-                constants_.push_back(ContactConstants{});
-                continue;
-            }
-            const double softness = kt[i][j] > 0.0 ? 1.0 / kt[i][j] : 0.0;
-            constants_.push_back(ContactConstants{Row{kn[i][j], etan[i][j], dn[i][j], mu[i][j]},
-                                                  Row{kt[i][j], etat[i][j], dt[i][j], softness}});
-            friction_ |= mu[i][j] > 0.0;
-        }
+    constants_ = contactTable(lmp_);
+    friction_ =
+        std::any_of(constants_.begin(), constants_.end(), [](const ContactConstants& c) { return c.normal[3] > 0.0; });
 }
 
 bool VectorisedPair::forcesOnly(PairGran& pair, int eflag, int vflag, int addflag) const
@@ -181,15 +175,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     pair->evflag = pair->vflag_fdotr = 0;
     if (stale_ || lmp_.neighbor->ago == 0) takeList(*pair);
 
-    Atom& atom = *lmp_.atom;
-    // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
-    const auto block = [](double** rows) { return reinterpret_cast<double(*)[3]>(rows[0]); };
-    if (atom.nlocal == 0) return;
-    const ContactParticles particles = {atom.nlocal,       atom.nlocal + atom.nghost,
-                                        block(atom.x),     block(atom.v),
-                                        block(atom.omega), atom.radius,
-                                        atom.rmass,        block(atom.f),
-                                        block(atom.torque)};
+    if (lmp_.atom->nlocal == 0) return;
     ContactStep step;
     step.constants = constants_.data();
     step.oneConstants = constants_.size() == 1;
@@ -201,7 +187,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.flagBits = flagBits;
     step.stride = pair->dnum();
     step.offset = offset_;
-    contactForces(particles, pairs_, step, rows_);
+    contactForces(contactParticles(*lmp_.atom), pairs_, step, rows_);
 }
 
 } // namespace hotbed
