@@ -90,8 +90,10 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
 }
 
 /// Looks through the pairs from p on until the batch is full. @return the next pair to look at
-inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const Place* place, int p)
+template <bool friction>
+inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const ContactRows& rows, int p)
 {
+    const Place* place = rows.place.data();
     const int* first = pairs.i.data();
     const int* second = pairs.j.data();
     const int count = int(pairs.i.size());
@@ -123,6 +125,9 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, cons
         const int pair = batch.pair[k], i = first[pair];
         batch.i[k] = i;
         batch.j[k] = second[pair];
+        __builtin_prefetch(&rows.motion[batch.j[k]]);
+        __builtin_prefetch(&rows.load[batch.j[k]], 1);
+        if (!friction) continue;
         batch.spring[k] = step.history[i] + std::size_t(step.stride) * (pair - pairs.start[i]) + step.offset;
         __builtin_prefetch(batch.spring[k], 1);
     }
@@ -294,7 +299,7 @@ template <bool friction> inline void addLoads(ContactPairs& pairs, const Contact
     fill(batch, step.constants[0]);
     for (int p = 0; p < int(pairs.i.size());)
     {
-        p = find(batch, pairs, step, rows.place.data(), p);
+        p = find<friction>(batch, pairs, step, rows, p);
         gather<friction>(batch, pairs, step, rows.motion.data());
         law<friction>(batch, step.timestep);
         scatter<friction>(batch, rows.load.data());
