@@ -317,7 +317,7 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
         const double r = particles.radius[i];
         place[i].center = Row{x[0], x[1], x[2], r};
         motion[i].velocity = Row{v[0], v[1], v[2], 1.0 / particles.mass[i]};
-        motion[i].spin = Row{w[0], w[1], w[2], r};
+        if (step.friction) motion[i].spin = Row{w[0], w[1], w[2], r};
     }
     place[particles.all].center = Row{1e100, 0.0, 0.0, 0.0};
 
