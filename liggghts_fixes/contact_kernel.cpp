@@ -78,12 +78,12 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
     const double reach = between[3] * between[3];
     if (square < reach)
     {
-        step.flag[i][k] |= step.flagBits;
+        step.flag[i][k] = step.flagBits; // no other bits: reading them first would wait for the memory
         pairs.contact[p] = TOUCHING;
     }
     else if (square < step.parted * reach)
     {
-        step.flag[i][k] &= ~step.flagBits;
+        step.flag[i][k] = 0;
         for (int a = 0; a < 3; ++a) step.history[i][std::size_t(step.stride) * k + step.offset + a] = 0.0;
         pairs.contact[p] = OPEN;
     }
