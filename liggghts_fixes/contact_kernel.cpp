@@ -1,6 +1,8 @@
 #include "contact_kernel.hpp"
 
-#include <cmath>
+#include "contact_law.hpp"
+
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -12,56 +14,6 @@ namespace
 using Place = ContactRows::Place;
 using Motion = ContactRows::Motion;
 using Load = ContactRows::Load;
-
-/// Pairs of a batch: its arrays stay in the nearest cache.
-constexpr int width = 128;
-
-using Lanes = double[width];
-using Index = long long __attribute__((vector_size(32)));
-
-struct Batch
-{
-    int n = 0;
-    int pair[width + 4], i[width + 4], j[width + 4];
-    double* spring[width];
-    alignas(64) Row between[width + 4];
-    // x, y, z and a fourth quantity of each pair
-    alignas(64) Lanes delta[4] = {};    // sum of radii
-    alignas(64) Lanes velocity[4] = {}; // sum of inverse masses
-    alignas(64) Lanes spin_i[4] = {};   // radius
-    alignas(64) Lanes spin_j[4] = {};
-    alignas(64) Lanes normal[4] = {}; // ContactConstants
-    alignas(64) Lanes tangential[4] = {};
-    alignas(64) Lanes stretch[3] = {};
-    alignas(64) Lanes force[4] = {}; // on i; arm of i
-    alignas(64) Lanes turn[4] = {};  // force moment an arm; arm of j
-};
-
-inline void transpose(Row& a, Row& b, Row& c, Row& d)
-{
-    const Row ab = __builtin_shuffle(a, b, Index{0, 4, 2, 6}), AB = __builtin_shuffle(a, b, Index{1, 5, 3, 7});
-    const Row cd = __builtin_shuffle(c, d, Index{0, 4, 2, 6}), CD = __builtin_shuffle(c, d, Index{1, 5, 3, 7});
-    a = __builtin_shuffle(ab, cd, Index{0, 1, 4, 5});
-    b = __builtin_shuffle(AB, CD, Index{0, 1, 4, 5});
-    c = __builtin_shuffle(ab, cd, Index{2, 3, 6, 7});
-    d = __builtin_shuffle(AB, CD, Index{2, 3, 6, 7});
-}
-
-/// Four rows into lanes k .. k + 3
-inline void put(Lanes* lanes, int k, Row a, Row b, Row c, Row d)
-{
-    transpose(a, b, c, d);
-    *reinterpret_cast<Row*>(&lanes[0][k]) = a;
-    *reinterpret_cast<Row*>(&lanes[1][k]) = b;
-    *reinterpret_cast<Row*>(&lanes[2][k]) = c;
-    *reinterpret_cast<Row*>(&lanes[3][k]) = d;
-}
-
-inline void take(const Lanes* lanes, int k, Row* row)
-{
-    for (int a = 0; a < 4; ++a) row[a] = *reinterpret_cast<const Row*>(&lanes[a][k]);
-    transpose(row[0], row[1], row[2], row[3]);
-}
 
 /// i less j, but the sum of the fourth
 inline Row less(const Row& i, const Row& j)
@@ -77,20 +29,22 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
     const double reach = between[3] * between[3];
     if (square < reach)
     {
-        step.flag[i][k] |= step.flagBits;
+        step.flag[i][k] = step.flagBits; // no other bits: reading them first would wait for the memory
         pairs.contact[p] = TOUCHING;
     }
     else if (square < step.parted * reach)
     {
-        step.flag[i][k] &= ~step.flagBits;
+        step.flag[i][k] = 0;
         for (int a = 0; a < 3; ++a) step.history[i][std::size_t(step.stride) * k + step.offset + a] = 0.0;
         pairs.contact[p] = OPEN;
     }
 }
 
 /// Looks through the pairs from p on until the batch is full. @return the next pair to look at
-inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const Place* place, int p)
+template <bool friction>
+inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const ContactRows& rows, int p)
 {
+    const Place* place = rows.place.data();
     const int* first = pairs.i.data();
     const int* second = pairs.j.data();
     const int count = int(pairs.i.size());
@@ -122,6 +76,9 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, cons
         const int pair = batch.pair[k], i = first[pair];
         batch.i[k] = i;
         batch.j[k] = second[pair];
+        __builtin_prefetch(&rows.motion[batch.j[k]]);
+        __builtin_prefetch(&rows.load[batch.j[k]], 1);
+        if (!friction) continue;
         batch.spring[k] = step.history[i] + std::size_t(step.stride) * (pair - pairs.start[i]) + step.offset;
         __builtin_prefetch(batch.spring[k], 1);
     }
@@ -171,83 +128,6 @@ inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& s
         for (int a = 0; a < 3; ++a) batch.stretch[a][k] = batch.spring[k][a];
 }
 
-constexpr double nearlyNothing = 1e-300;
-
-inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
-/// All lanes, also those that are not used: a fixed number is what the compiler does best. OpenFOAM stops at a division
-/// by zero, so unused lanes hold a contact, too.
-template <bool friction> inline void law(Batch& b, double timestep)
-{
-    for (int k = 0; k < width; ++k)
-    {
-        const double dx = b.delta[0][k], dy = b.delta[1][k], dz = b.delta[2][k];
-        const double vx = b.velocity[0][k], vy = b.velocity[1][k], vz = b.velocity[2][k];
-        const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
-        const double inverse = 1.0 / r;
-        const double ex = dx * inverse, ey = dy * inverse, ez = dz * inverse;
-        const double overlap = b.delta[3][k] - r;
-        const double root = 1.0 / std::sqrt(b.velocity[3][k]); // of the effective mass
-        const double vn = vx * ex + vy * ey + vz * ez;
-        const double fn = b.normal[0][k] * overlap - (b.normal[1][k] + b.normal[2][k] * root) * vn;
-        if (!friction)
-        {
-            b.force[0][k] = fn * ex;
-            b.force[1][k] = fn * ey;
-            b.force[2][k] = fn * ez;
-            continue;
-        }
-        const double ai = b.spin_i[3][k] - 0.5 * overlap, aj = b.spin_j[3][k] - 0.5 * overlap;
-        const double wx = ai * b.spin_i[0][k] + aj * b.spin_j[0][k];
-        const double wy = ai * b.spin_i[1][k] + aj * b.spin_j[1][k];
-        const double wz = ai * b.spin_i[2][k] + aj * b.spin_j[2][k];
-        const double ux = vx - vn * ex - (ez * wy - ey * wz);
-        const double uy = vy - vn * ey - (ex * wz - ez * wx);
-        const double uz = vz - vn * ez - (ey * wx - ex * wy);
-
-        // the spring, turned with the contact plane, keeping its length
-        double sx = b.stretch[0][k], sy = b.stretch[1][k], sz = b.stretch[2][k];
-        const double before = sx * sx + sy * sy + sz * sz;
-        const double out = sx * ex + sy * ey + sz * ez;
-        sx -= out * ex;
-        sy -= out * ey;
-        sz -= out * ez;
-        const double after = sx * sx + sy * sy + sz * sz;
-        const double scale = std::sqrt(before / larger(after, nearlyNothing));
-        sx = scale * sx + ux * timestep;
-        sy = scale * sy + uy * timestep;
-        sz = scale * sz + uz * timestep;
-
-        const double kt = b.tangential[0][k], invKt = b.tangential[3][k];
-        const double damping = b.tangential[1][k] + b.tangential[2][k] * root;
-        double tx = -kt * sx - damping * ux, ty = -kt * sy - damping * uy, tz = -kt * sz - damping * uz;
-        const double square = tx * tx + ty * ty + tz * tz;
-        const double limit = b.normal[3][k] * std::fabs(fn);
-        const double ratio = limit / std::sqrt(larger(square, larger(limit * limit, nearlyNothing)));
-        tx *= ratio;
-        ty *= ratio;
-        tz *= ratio;
-        const bool shortened = (square > limit * limit) & (invKt > 0.0);
-        const double cx = -(tx + damping * ux) * invKt, cy = -(ty + damping * uy) * invKt,
-                     cz = -(tz + damping * uz) * invKt;
-        b.stretch[0][k] = shortened ? cx : sx;
-        b.stretch[1][k] = shortened ? cy : sy;
-        b.stretch[2][k] = shortened ? cz : sz;
-
-        b.force[0][k] = fn * ex + tx;
-        b.force[1][k] = fn * ey + ty;
-        b.force[2][k] = fn * ez + tz;
-        b.force[3][k] = ai;
-        b.turn[0][k] = ey * tz - ez * ty;
-        b.turn[1][k] = ez * tx - ex * tz;
-        b.turn[2][k] = ex * ty - ey * tx;
-        b.turn[3][k] = aj;
-    }
-}
-
 template <bool friction> inline void scatter(const Batch& batch, Load* load)
 {
     for (int k = 0; k < batch.n; k += 4)
@@ -277,18 +157,10 @@ template <bool friction> inline void scatter(const Batch& batch, Load* load)
 template <bool friction> inline void addLoads(ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
     Batch batch;
-    for (int k = 0; k < width; k += 4)
-    {
-        const ContactConstants& c = step.constants[0];
-        const Row contact{1.0, 0.0, 0.0, 1.0};
-        put(batch.delta, k, contact, contact, contact, contact);
-        put(batch.velocity, k, contact, contact, contact, contact);
-        put(batch.normal, k, c.normal, c.normal, c.normal, c.normal);
-        put(batch.tangential, k, c.tangential, c.tangential, c.tangential, c.tangential);
-    }
+    fill(batch, step.constants[0]);
     for (int p = 0; p < int(pairs.i.size());)
     {
-        p = find(batch, pairs, step, rows.place.data(), p);
+        p = find<friction>(batch, pairs, step, rows, p);
         gather<friction>(batch, pairs, step, rows.motion.data());
         law<friction>(batch, step.timestep);
         scatter<friction>(batch, rows.load.data());
@@ -306,7 +178,7 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
         const double r = particles.radius[i];
         place[i].center = Row{x[0], x[1], x[2], r};
         motion[i].velocity = Row{v[0], v[1], v[2], 1.0 / particles.mass[i]};
-        motion[i].spin = Row{w[0], w[1], w[2], r};
+        if (step.friction) motion[i].spin = Row{w[0], w[1], w[2], r};
     }
     place[particles.all].center = Row{1e100, 0.0, 0.0, 0.0};
 
@@ -316,12 +188,13 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
         addLoads<false>(pairs, step, rows);
 
     for (int i = 0; i < particles.local; ++i)
-        for (int a = 0; a < 3; ++a)
-        {
-            particles.force[i][a] += load[i].force[a];
-            particles.torque[i][a] += load[i].torque[a];
-        }
-    std::memset(static_cast<void*>(load), 0, rows.load.size() * sizeof(Load));
+    {
+        for (int a = 0; a < 3; ++a) particles.force[i][a] += load[i].force[a];
+        if (step.friction)
+            for (int a = 0; a < 3; ++a) particles.torque[i][a] += load[i].torque[a];
+        load[i] = Load{};
+    }
+    std::fill(load + particles.local, load + particles.all, Load{});
 }
 
 // all of the above, compiled for each of the two

@@ -84,8 +84,22 @@ struct ContactRows
     std::vector<Load> load; ///< zero between steps
 };
 
+/// A particle that touches a wall at rest
+struct WallContact
+{
+    double from[3]; ///< from the wall to the centre
+    double* spring;
+    int particle;
+    int type; ///< which constants
+};
+
 /// Whether the processor has the registers this is written for (AVX2); without them it is slower than one by one.
 bool canVectorise();
+
+/// Forces and torques are added to, springs carried on.
+/// @param constants  of each type of WallContact
+void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+                const ContactConstants* constants, double timestep);
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows);
 

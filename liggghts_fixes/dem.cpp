@@ -6,6 +6,7 @@
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
 #include "contact_constants.hpp"
+#include "fix_nve_sphere_hotbed.h"
 #include "register_contact.hpp"
 
 #include <algorithm>
@@ -309,6 +310,9 @@ void Dem::advance(int steps)
     LAMMPS& lmp = *instance_->lmp;
     if (instance_->moving)
     {
+        for (int i = 0; i < lmp.modify->nfix; ++i)
+            if (auto* integration = dynamic_cast<FixNVESphereHotbed*>(lmp.modify->fix[i]))
+                integration->stopAfter(lmp.update->ntimestep + steps);
         lmp.update->integrate->run(steps);
         return;
     }

@@ -2,6 +2,8 @@
 
 #include "fix_hotbed_drag.h"
 
+#include "fix_nve_sphere_hotbed.h"
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -34,6 +36,14 @@ void FixHotbedDrag::post_create()
     force_ = property("gasForce", 3);
     lastStep_ = property("gasStep", 7);
     kept_ = property("restartForce", 6);
+}
+
+void FixHotbedDrag::init()
+{
+    left_ = false;
+    for (int i = 0; i < modify->nfix; ++i)
+        if (const auto* integration = dynamic_cast<const FixNVESphereHotbed*>(modify->fix[i]))
+            left_ |= integration->addsForceOf(*this);
 }
 
 double** FixHotbedDrag::force() const
@@ -73,6 +83,11 @@ void FixHotbedDrag::restoreForces()
 }
 
 void FixHotbedDrag::post_force(int)
+{
+    if (!left_) add();
+}
+
+void FixHotbedDrag::add()
 {
     double** f = atom->f;
     double** gas = force();

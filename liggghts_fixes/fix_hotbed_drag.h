@@ -15,7 +15,8 @@ public:
 
     int setmask() override;
     void post_create() override;
-    void setup(int vflag) override { post_force(vflag); }
+    void init() override;
+    void setup(int) override { add(); }
     void post_force(int vflag) override;
 
     double** force() const; ///< drag plus pressure gradient [N], by local particle
@@ -33,8 +34,10 @@ public:
     void restoreForces();
 
 private:
+    void add();
     class FixPropertyAtom* property(const char* name, int values);
 
+    bool left_ = false; ///< to the integration, which adds the force in its own pass
     class FixPropertyAtom* force_ = nullptr;
     class FixPropertyAtom* lastStep_ = nullptr;
     class FixPropertyAtom* kept_ = nullptr;

@@ -4,7 +4,7 @@
 #include "contact_models.h"
 #include "fix_insert_stream.h"
 #include "vectorised_pair.hpp"
-#include "fix_wall_gran_base.h"
+#include "vectorised_wall.hpp"
 
 #include "register_contact.hpp"
 
@@ -20,11 +20,6 @@ PairStyles::IGranularPairStyle* makePair(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::Pair
     return new VectorisedPair(lmp, parent, hash);
 }
 
-Walls::IGranularWall* makeWall(LAMMPS_NS::LAMMPS* lmp, LAMMPS_NS::FixWallGran* parent, int64_t hash)
-{
-    return new Walls::Granular<ContactModel>(lmp, parent, hash);
-}
-
 } // namespace
 
 void registerContact()
@@ -35,7 +30,7 @@ void registerContact()
     ContactModels::Factory::instance().addNormalModel("hotbed", ContactModels::HOTBED_NORMAL);
     ContactModels::Factory::instance().addTangentialModel("hotbed", ContactModels::HOTBED_TANGENTIAL);
     PairStyles::Factory::instance().addStyle("gran", ContactStyle::HASHCODE, &makePair);
-    Walls::Factory::instance().addStyle("gran", ContactStyle::HASHCODE, &makeWall);
+    Walls::Factory::instance().addStyle("gran", ContactStyle::HASHCODE, &makeWallModel);
 }
 
 std::int64_t contactCode()

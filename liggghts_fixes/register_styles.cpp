@@ -7,7 +7,9 @@
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
+#include "fix_nve_sphere_hotbed.h"
 #include "register_contact.hpp"
+#include "vectorised_wall.hpp"
 
 #include <dlfcn.h>
 
@@ -56,6 +58,8 @@ __attribute__((visibility("default"))) void LAMMPS::create()
     fixes["hotbed/coarsegrain"] = &makeFix<FixHotbedCoarsegrain>;
     fixes["hotbed/drag"] = &makeFix<FixHotbedDrag>;
     fixes["hotbed/heat"] = &makeFix<FixHotbedHeat>;
+    fixes["wall/gran"] = &makeFix<hotbed::VectorisedWall>;
+    fixes["nve/sphere/hotbed"] = &makeFix<FixNVESphereHotbed>;
 }
 
 } // namespace LAMMPS_NS

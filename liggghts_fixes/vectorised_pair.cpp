@@ -21,6 +21,32 @@ constexpr int flagBits =
 
 } // namespace
 
+std::vector<char*> withoutKeyword(LAMMPS& lmp, int narg, char** arg, bool& vectorised)
+{
+    Settings own(&lmp);
+    own.registerOnOff("vectorised", vectorised, true);
+    std::vector<char*> others;
+    for (int a = 0; a < narg; ++a)
+    {
+        if (std::strcmp(arg[a], "vectorised") != 0 || a + 1 == narg)
+            others.push_back(arg[a]);
+        else if (!own.parseArguments(2, &arg[a++]))
+            lmp.error->all(FLERR, own.error_message.c_str());
+    }
+    return others;
+}
+
+ContactParticles contactParticles(const Atom& atom)
+{
+    // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
+    const auto block = [](double** rows) { return reinterpret_cast<double(*)[3]>(rows[0]); };
+    return {atom.nlocal,       atom.nlocal + atom.nghost,
+            block(atom.x),     block(atom.v),
+            block(atom.omega), atom.radius,
+            atom.rmass,        block(atom.f),
+            block(atom.torque)};
+}
+
 VectorisedPair::VectorisedPair(LAMMPS* lmp, PairGran* parent, int64_t hash)
     : PlainPair(lmp, parent, hash), lmp_(*lmp), offset_(get_history_offset("hotbed_spring"))
 {
@@ -28,16 +54,7 @@ VectorisedPair::VectorisedPair(LAMMPS* lmp, PairGran* parent, int64_t hash)
 
 void VectorisedPair::settings(int narg, char** arg, LIGGGHTS::IContactHistorySetup* setup)
 {
-    Settings own(&lmp_);
-    own.registerOnOff("vectorised", enabled_, true);
-    std::vector<char*> others;
-    for (int a = 0; a < narg; ++a)
-    {
-        if (std::strcmp(arg[a], "vectorised") != 0 || a + 1 == narg)
-            others.push_back(arg[a]);
-        else if (!own.parseArguments(2, &arg[a++]))
-            lmp_.error->all(FLERR, own.error_message.c_str());
-    }
+    std::vector<char*> others = withoutKeyword(lmp_, narg, arg, enabled_);
     PlainPair::settings(int(others.size()), others.data(), setup);
 }
 
@@ -134,15 +151,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     pair->evflag = pair->vflag_fdotr = 0;
     if (stale_ || lmp_.neighbor->ago == 0) takeList(*pair);
 
-    Atom& atom = *lmp_.atom;
-    // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
-    const auto block = [](double** rows) { return reinterpret_cast<double(*)[3]>(rows[0]); };
-    if (atom.nlocal == 0) return;
-    const ContactParticles particles = {atom.nlocal,       atom.nlocal + atom.nghost,
-                                        block(atom.x),     block(atom.v),
-                                        block(atom.omega), atom.radius,
-                                        atom.rmass,        block(atom.f),
-                                        block(atom.torque)};
+    if (lmp_.atom->nlocal == 0) return;
     ContactStep step;
     step.constants = constants_.data();
     step.oneConstants = constants_.size() == 1;
@@ -154,7 +163,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.flagBits = flagBits;
     step.stride = pair->dnum();
     step.offset = offset_;
-    contactForces(particles, pairs_, step, rows_);
+    contactForces(contactParticles(*lmp_.atom), pairs_, step, rows_);
 }
 
 } // namespace hotbed

@@ -19,6 +19,12 @@ using ContactStyle =
 using ContactModel = LIGGGHTS::ContactModels::ContactModel<ContactStyle>;
 using PlainPair = LIGGGHTS::PairStyles::Granular<ContactModel>;
 
+/// Takes the keyword `vectorised on|off` out of a model's settings. @return the others
+std::vector<char*> withoutKeyword(LAMMPS_NS::LAMMPS& lmp, int narg, char** arg, bool& vectorised);
+
+/// At least one particle is local.
+ContactParticles contactParticles(const LAMMPS_NS::Atom& atom);
+
 /// LIGGGHTS' own loop over the contact models (PlainPair), and beside it a loop of ours that computes forces and
 /// torques alone, many pairs at a time. Neighbour lists, contact flags and history are LIGGGHTS'; both loops leave the
 /// same in them, so a step takes the plain one wherever more than forces is asked for.

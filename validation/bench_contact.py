@@ -1,5 +1,5 @@
-"""Speed of the contact law against LIGGGHTS' own `hooke/stiffness tangential history`, on the same bed with the same
-constants, neighbour lists, walls and gravity. `./hotbed bench contact [--quick]`.
+"""Speed of the contact law, walls and integration against LIGGGHTS' own `hooke/stiffness tangential history`, `nve/sphere` and
+`gravity`, on the same bed with the same constants and neighbour lists. `./hotbed bench contact [--quick]`.
 
 A settled bed of 46,080 particles (the paper's at l = 2.5) and the same bed shaken, every particle at 0.2 m/s in some
 direction, on one and two ranks. Stock and ours run in turn in the unmodified `liggghts`; the first steps are left out. A
@@ -47,6 +47,8 @@ def script(law, data, steps):
                          for name, value in values.items())
     walls = "".join(f"fix {axis}{n} all wall/gran model {model} primitive type 1 {axis}plane {at}\n"
                     for axis, high in (("x", WIDTH), ("y", DEPTH), ("z", HEIGHT)) for n, at in enumerate((0, high)))
+    integration = ("fix integrate all nve/sphere/hotbed gravity 9.81 vector 0 0 -1" if law is OURS else
+                   "fix gravity all gravity 9.81 vector 0 0 -1\nfix integrate all nve/sphere")
     ratio = f"fix cg all hotbed/coarsegrain ratio {RATIO}\n" if law is OURS else ""
     return f"""units si
 atom_style granular
@@ -59,8 +61,7 @@ neighbor 1e-4 bin
 neigh_modify delay 0
 {ratio}{properties}pair_style gran model {model}
 pair_coeff * *
-{walls}fix gravity all gravity 9.81 vector 0 0 -1
-fix integrate all nve/sphere
+{walls}{integration}
 timestep 2.5e-6
 thermo 1000000
 """ + "".join(f"run {n}\n" for n in steps)

@@ -57,21 +57,23 @@ class MovingBed(SlimBedTest):
         x = np.loadtxt(other / "DEM/post/particles40.txt", skiprows=9)[:, 1]
         self.assertAlmostEqual(results.bed(other)["z_mean_m"][-1], 0.02 - x.mean(), delta=1e-12)
 
-    def test_ranks_agree(self):
+    def test_ranks_and_integrations_agree(self):
+        stock = ("DEM/in.bed", r"^fix\s+integrate .*", "fix gravity all gravity 9.81 vector 0 0 -1\nfix integrate all nve/sphere")
         end = "0.0005"  # 20 gas steps, 200 DEM steps
         places = {}
-        for ranks, grid in ((1, "1 1 1"), (2, "1 1 2"), (4, "2 2 1")):
-            target, _ = self.bed(f"ranks{ranks}", ranks, TIGHT + DUMP + [
+        runs = {"one": (1, "1 1 1", []), "two": (2, "1 1 2", []), "four": (4, "2 2 1", []), "nve/sphere": (1, "1 1 1", [stock])}
+        for name, (ranks, grid, edits) in runs.items():
+            target, _ = self.bed(name.replace("/", "_"), ranks, TIGHT + DUMP + edits + [
                 ("DEM/in.bed", r"^newton", f"processors {grid}\nnewton")], endTime=end)
             rows = np.loadtxt(target / "DEM/post/particles200.txt", skiprows=9)
             start = np.loadtxt(target / "DEM/post/particles0.txt", skiprows=9)
             order = start[np.lexsort(np.round(start[:, 1:4] * 1e6).T), 0].astype(int) - 1  # ids depend on the ranks
-            places[ranks] = rows[np.argsort(rows[:, 0])][order, 1:]
-        one = places[1]
+            places[name] = rows[np.argsort(rows[:, 0])][order, 1:]
+        one = places.pop("one")
         scale = np.array([1e-3] * 3 + [np.abs(one[:, 3:6]).max()] * 3 + [363.15])
-        for ranks in (2, 4):
-            off = np.max(np.abs(places[ranks] - one) / scale, axis=0)
-            print(f"{ranks} ranks: positions off by {off[:3].max():.1e} mm, velocities {off[3:6].max():.1e}, "
+        for name, other in places.items():
+            off = np.max(np.abs(other - one) / scale, axis=0)
+            print(f"{name}: positions off by {off[:3].max():.1e} mm, velocities {off[3:6].max():.1e}, "
                   f"temperatures {off[6]:.1e}")
             self.assertLess(off.max(), 1e-8)
 

@@ -35,18 +35,20 @@ def data():
     return f"bed\n\n{COUNT} atoms\n2 atom types\n{sides}\nAtoms\n\n{atoms}\nVelocities\n\n{velocities}"
 
 
-def model(vectorised, friction):
+INTEGRATION = "fix gravity all gravity 9.81 vector 0 0 -1\nfix integrate all nve/sphere\n"
+
+
+def model(vectorised, friction, integration=INTEGRATION):
     """From the properties to the integration; constants that differ between all pairs of types."""
     def pairs(name, a, b, c):
         return f"fix {name} all property/global {name} peratomtypepair 2 {a} {b} {b} {c}\n"
-    walls = "".join(f"fix {axis}{n} all wall/gran model hotbed tangential hotbed primitive type 1 {axis}plane {at}\n"
+    walls = "".join(f"fix {axis}{n} all wall/gran model hotbed tangential hotbed primitive type 1 {axis}plane {at} {vectorised}\n"
                     for axis in "xyz" for n, at in enumerate((0, SIDE)))
     return ("neighbor 1e-4 bin\nneigh_modify delay 0\n" + pairs("kn", 500, 400, 700) +
             pairs("coefficientRestitution", 0.74, 0.8, 0.9) + pairs("tangentialRestitution", 0.1, 0.3, 0.5) +
             pairs("coefficientFriction", friction, 2 * friction, 0.5 * friction) +
             f"pair_style gran model hotbed tangential hotbed {vectorised}\npair_coeff * *\n{walls}"
-            "fix gravity all gravity 9.81 vector 0 0 -1\nfix integrate all nve/sphere\n"
-            f"timestep 2.5e-6\nthermo 1000\nthermo_modify lost error\n")
+            f"{integration}timestep 2.5e-6\nthermo 1000\nthermo_modify lost error\n")
 
 
 def dump():
@@ -68,11 +70,11 @@ def liggghts(folder, script, ranks=1):
     return done.stdout
 
 
-def bed(vectorised, ranks=1, friction=0.1, runs="run 500\n", extra=""):
+def bed(vectorised, ranks=1, friction=0.1, runs="run 500\n", extra="", integration=INTEGRATION):
     """@return particles after 500 steps, and the screen output"""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        output = liggghts(folder, HEAD + "read_data data.bed\n" + model(vectorised, friction) + extra + dump() + runs, ranks)
+        output = liggghts(folder, HEAD + "read_data data.bed\n" + model(vectorised, friction, integration) + extra + dump() + runs, ranks)
         return particles(folder), output
 
 

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "fix_nve_sphere.h"
+
+namespace LAMMPS_NS
+{
+
+/// fix ID group nve/sphere/hotbed [gravity g vector x y z]
+/// Integrates spheres as fix nve/sphere does. The second half of a step and the first half of the next are one pass
+/// over the particles wherever nobody looks at them in between. With gravity it adds that, too, and the force of fix
+/// hotbed/drag.
+class FixNVESphereHotbed : public FixNVESphere
+{
+public:
+    FixNVESphereHotbed(LAMMPS* lmp, int narg, char** arg);
+
+    int setmask() override;
+    void init() override;
+    void setup(int vflag) override;
+    void initial_integrate(int vflag) override;
+    void final_integrate() override;
+
+    /// Whether the force of a fix hotbed/drag is added here, after the start of a run.
+    bool addsForceOf(const Fix& drag) const { return withGravity_ && drag.igroup == igroup; }
+
+    /// For a host that runs LIGGGHTS step by step: it looks at the particles at the end of this time step.
+    void stopAfter(bigint step) { stop_ = step; }
+
+private:
+    enum Half
+    {
+        FIRST,
+        SECOND,
+        SECOND_AND_FIRST
+    };
+    void integrate(Half half);
+    bool seen() const;
+
+    bool withGravity_ = false;
+    double gravity_[3] = {};              ///< [m/s2]
+    class FixHotbedDrag* drag_ = nullptr; ///< whose force is added here
+    bool ahead_ = false;                  ///< the first half of the next step is done
+    bigint stop_ = 0;                     ///< 0: no host
+};
+
+} // namespace LAMMPS_NS

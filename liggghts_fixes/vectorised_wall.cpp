@@ -1,0 +1,93 @@
+#include "contact_models.h"
+#include "fix_insert_stream.h"
+#include "vectorised_pair.hpp"
+#include "vectorised_wall.hpp"
+
+#include "contact_constants.hpp"
+#include "fix_wall_gran_base.h"
+#include "primitive_wall.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+namespace hotbed
+{
+namespace
+{
+
+using PlainWall = LIGGGHTS::Walls::Granular<ContactModel>;
+
+/// LIGGGHTS' own wall with the law, and the keyword
+class WallModel : public PlainWall
+{
+public:
+    WallModel(LAMMPS* lmp, FixWallGran* parent, int64_t hash) : PlainWall(lmp, parent, hash), lmp_(*lmp) {}
+
+    void settings(int narg, char** arg, LIGGGHTS::IContactHistorySetup* setup) override
+    {
+        std::vector<char*> others = withoutKeyword(lmp_, narg, arg, vectorised);
+        PlainWall::settings(int(others.size()), others.data(), setup);
+    }
+
+    bool vectorised = true;
+
+private:
+    LAMMPS& lmp_;
+};
+
+} // namespace
+
+LIGGGHTS::Walls::IGranularWall* makeWallModel(LAMMPS* lmp, FixWallGran* parent, int64_t hash)
+{
+    return new WallModel(lmp, parent, hash);
+}
+
+void VectorisedWall::init()
+{
+    FixWallGran::init();
+    const auto* model = dynamic_cast<WallModel*>(impl);
+    // a history of three values is the spring and nothing else; only planes have no axis
+    vectorised_ = model && model->vectorised && canVectorise() && meshwall_ == 0 && dnum_ == 3 &&
+                  primitiveWall_->axis() < 0 && !shear_ && !atom->shapetype_flag && !atom->superquadric_flag;
+    if (!vectorised_) return;
+    offset_ = get_history_offset("hotbed_spring");
+    const std::vector<ContactConstants> table = contactTable(*lmp);
+    constants_.clear();
+    for (int i = 0; i < atom->ntypes; ++i)
+        constants_.push_back(table[std::size_t(i) * atom->ntypes + atom_type_wall_ - 1]);
+}
+
+bool VectorisedWall::forcesOnly() const
+{
+    return computeflag_ && shearupdate_ && !addflag_ && !store_force_ && !store_force_contact_ &&
+           !store_force_contact_stress_ && !heattransfer_flag_ && !fix_rigid_ && !fix_store_multicontact_data_ &&
+           !fix_sum_normal_force_;
+}
+
+void VectorisedWall::post_force_primitive(int vflag)
+{
+    if (!vectorised_ || !forcesOnly())
+    {
+        FixWallGran::post_force_primitive(vflag);
+        return;
+    }
+    double** history = fix_history_primitive_->array_atom;
+    int* near = nullptr;
+    const int count = primitiveWall_->getNeighbors(near);
+    contacts_.clear();
+    for (int k = 0; k < count; ++k)
+    {
+        const int i = near[k];
+        if (!(atom->mask[i] & groupbit)) continue;
+        double toWall[3];
+        if (primitiveWall_->resolveContact(x_[i], radius_[i], toWall) <= 0.0)
+            contacts_.push_back(
+                WallContact{{-toWall[0], -toWall[1], -toWall[2]}, history[i] + offset_, i, atom->type[i] - 1});
+        else
+            std::fill_n(history[i] + offset_, 3, 0.0);
+    }
+    if (!contacts_.empty()) wallForces(contactParticles(*atom), contacts_, constants_.data(), update->dt);
+}
+
+} // namespace hotbed

@@ -1,0 +1,75 @@
+#include "contact_kernel.hpp"
+
+#include "contact_law.hpp"
+
+namespace hotbed
+{
+namespace
+{
+
+inline void runWall(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+                    const ContactConstants* constants, double timestep)
+{
+    Batch batch;
+    fill(batch, constants[0]);
+    const int count = int(contacts.size());
+    for (int start = 0; start < count; start += width)
+    {
+        const WallContact* contact = &contacts[start];
+        const int n = count - start < width ? count - start : width;
+        for (int k = 0; k < n; ++k)
+        {
+            const int i = contact[k].particle;
+            const ContactConstants& c = constants[contact[k].type];
+            for (int a = 0; a < 3; ++a)
+            {
+                batch.delta[a][k] = contact[k].from[a];
+                batch.velocity[a][k] = particles.v[i][a];
+                batch.spin_i[a][k] = particles.omega[i][a];
+                batch.stretch[a][k] = contact[k].spring[a];
+            }
+            batch.delta[3][k] = batch.spin_i[3][k] = particles.radius[i];
+            batch.velocity[3][k] = 1.0 / particles.mass[i];
+            for (int a = 0; a < 4; ++a)
+            {
+                batch.normal[a][k] = c.normal[a];
+                batch.tangential[a][k] = c.tangential[a];
+            }
+        }
+        law<true>(batch, timestep);
+        for (int k = 0; k < n; ++k)
+        {
+            const int i = contact[k].particle;
+            for (int a = 0; a < 3; ++a)
+            {
+                particles.force[i][a] += batch.force[a][k];
+                particles.torque[i][a] -= batch.force[3][k] * batch.turn[a][k];
+                contact[k].spring[a] = batch.stretch[a][k];
+            }
+        }
+    }
+}
+
+__attribute__((target("arch=x86-64-v3"), flatten)) void wallAvx2(const ContactParticles& particles,
+                                                                 const std::vector<WallContact>& contacts,
+                                                                 const ContactConstants* constants, double timestep)
+{
+    runWall(particles, contacts, constants, timestep);
+}
+
+__attribute__((target("arch=x86-64-v4"), flatten)) void wallAvx512(const ContactParticles& particles,
+                                                                   const std::vector<WallContact>& contacts,
+                                                                   const ContactConstants* constants, double timestep)
+{
+    runWall(particles, contacts, constants, timestep);
+}
+
+} // namespace
+
+void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+                const ContactConstants* constants, double timestep)
+{
+    (__builtin_cpu_supports("x86-64-v4") ? wallAvx512 : wallAvx2)(particles, contacts, constants, timestep);
+}
+
+} // namespace hotbed
