@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from test_contact import HEAD, INTEGRATION, bed, difference, dump, liggghts, model
+from test_contact import HEAD, INTEGRATION, bed, difference, liggghts, model
 
 OURS = "fix integrate all nve/sphere/hotbed gravity 9.81 vector 0 0 -1\n"
 GAS = ("fix drag all hotbed/drag\nrun 0\nset group all property/atom gasForce 1e-6 -2e-6 4e-6\n")
