@@ -1,8 +1,11 @@
 #include "bed.hpp"
 
+#include "whole_file.hpp"
+
 #include "OSspecific.H"
 
 #include <algorithm>
+#include <cerrno>
 #include <iomanip>
 #include <numeric>
 
@@ -28,7 +31,9 @@ Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas
     if (!Pstream::master()) return;
     const fileName folder = runTime_.globalPath() / "postProcessing" / "hotbed" / runTime_.timeName();
     mkDir(folder);
-    csv_.open(folder / "bed.csv");
+    csvPath_ = folder / "bed.csv";
+    csv_.open(csvPath_);
+    if (!csv_) cannotWrite(csvPath_, errno);
     csv_ << "time_s,particles,pressure_drop_Pa,mismatch";
     if (dem_.moving()) csv_ << ",z_mean_m,height_m,overlap_max";
     if (coupling_.heat())
@@ -86,7 +91,7 @@ void Bed::particlesHaveMoved()
     if (coupling_.heat() && dem_.moving()) carried_ += particleEnergy() - energyBeforeMove_;
 }
 
-void Bed::record()
+void Bed::record(bool last)
 {
     if (coupling_.heat())
     {
@@ -101,7 +106,7 @@ void Bed::record()
     }
     mismatch_ = std::max(mismatch_, coupling_.mismatch());
     // the last one now: writing a restart puts the particles in another order, sums differ in the last digit
-    recorded_ = runTime_.timeIndex() % interval_ == 0 || runTime_.end();
+    recorded_ = runTime_.timeIndex() % interval_ == 0 || last;
     if (recorded_) line();
 }
 
@@ -139,7 +144,15 @@ void Bed::line()
     {
         double mean = 0, height = 0;
         heights(mean, height);
-        const double overlap = returnReduce(dem_.largestOverlap(), maxOp<double>());
+        int particle = -1;
+        const double mine = dem_.largestOverlap(&particle);
+        if (mine > 0.5)
+            FatalErrorInFunction
+                << dem_.describe(particle).c_str() << " overlaps what it touches by " << mine
+                << " of its diameter: its centre is inside it. Likely the springs are too soft (kn), the "
+                << "DEM step is too long (timestep), or particles were made or inserted on top of each "
+                << "other. The restarts written before are whole" << exit(FatalError);
+        const double overlap = returnReduce(mine, maxOp<double>());
         if (csv_.is_open()) csv_ << ',' << mean << ',' << height << ',' << overlap;
     }
     if (coupling_.heat())
@@ -185,7 +198,9 @@ void Bed::line()
             csv_ << ',' << impulse_.x() << ',' << impulse_.y() << ',' << impulse_.z() << ',' << impulseExchanged_ << ','
                  << momentumError();
     }
-    if (csv_.is_open()) csv_ << std::endl; // to disk: what a killed run has computed is there
+    if (!csv_.is_open()) return;
+    csv_ << std::endl; // to disk: what a killed run has computed is there
+    if (!csv_) cannotWrite(csvPath_, errno);
 }
 
 double Bed::momentumError() const

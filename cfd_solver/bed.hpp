@@ -23,8 +23,8 @@ public:
     void particlesWillMove();
     void particlesHaveMoved();
 
-    /// After a step: the budget goes on; a line where it is time for one.
-    void record();
+    /// After a step: the budget goes on; a line where it is time for one, or the run ends.
+    void record(bool last);
 
     /// The closing budget, and the line of the last step where it is not there yet.
     void finish(Foam::Ostream& out);
@@ -43,6 +43,7 @@ private:
     bool recorded_ = true;        ///< the last step has its line
     Foam::vector up_;             ///< against gravity
     double low_ = 0, extent_ = 0; ///< of the mesh along up_ [m]
+    Foam::fileName csvPath_;
     std::ofstream csv_;
 
     double gasEnergyAtStart_ = 0, particleEnergyAtStart_ = 0;

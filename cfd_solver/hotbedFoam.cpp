@@ -6,9 +6,11 @@
 #include "gas.hpp"
 #include "restart.hpp"
 #include "settings.hpp"
+#include "watch.hpp"
 
 #include "foamVersion.H"
 
+#include <csignal>
 #include <mpi.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -116,6 +118,16 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
          << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
 
+void printStopped(const Time& runTime, int signal, bool restarts)
+{
+    Info << nl << "Stopped by signal " << signal << " at " << runTime.timeName() << " s, ";
+    if (restarts)
+        Info << "restart written: with startFrom latestTime the run goes on from there when it is started again "
+             << "(./hotbed run CASE --restart)" << nl;
+    else
+        Info << "fields written, no restart (writeRestart no in constant/couplingProperties)" << nl;
+}
+
 /// The lines below the timing table. @param particleSteps DEM steps times the particles of this rank
 void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, scalar particleSteps, long steps)
 {
@@ -157,11 +169,12 @@ int main(int argc, char* argv[])
     const double start = MPI_Wtime();
     long steps = 0;
     scalar particleSteps = 0;
+    int stopped = 0;
     {
         checkVersion();
         Restart::setAsideUnfinished(args.globalPath());
         Time runTime(Time::controlDictName, args);
-        const Restart restart(runTime);
+        Restart restart(runTime);
         const CouplingSettings settings(runTime);
         Timing timing;
         std::unique_ptr<Dem> dem;
@@ -173,11 +186,7 @@ int main(int argc, char* argv[])
             variables.emplace_back("restart", restart.particles());
             dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, variables, "log.liggghts");
             demSteps(runTime, *dem, settings.demScript);
-            if (restart.resumed() && dem->step() != restart.state().get<label>("demStep"))
-                FatalErrorInFunction << settings.demScript
-                                     << " did not go on from the restart: where the variable resume "
-                                     << "is 1, it must say 'read_restart ${restart}' instead of making a box and "
-                                     << "particles" << exit(FatalError);
+            restart.compare(*dem, settings.demScript);
             dem->setup(restart.resumed());
         }
         catch (const std::exception& problem)
@@ -200,6 +209,7 @@ int main(int argc, char* argv[])
         if (restart.resumed()) bed.resume(restart.state());
 
         if (settings.writeRestart) restart.begin();
+        const Watch watch(mesh, gas, *dem);
         Info << "Starting time loop" << nl << endl;
         while (runTime.run())
         {
@@ -215,6 +225,7 @@ int main(int argc, char* argv[])
             {
                 const auto time = timing.measure("gas");
                 gas.advance();
+                watch.gas();
             }
             coupling.gasToParticles();
             bed.particlesWillMove();
@@ -225,19 +236,25 @@ int main(int argc, char* argv[])
             }
             bed.particlesHaveMoved();
             const auto time = timing.measure("output");
-            bed.record();
-            if (runTime.write() && settings.writeRestart)
+            stopped = watch.signal();
+            bed.record(stopped || runTime.value() > runTime.endTime().value() - 0.5 * runTime.deltaTValue());
+            const bool restarts = settings.writeRestart && (stopped || runTime.writeTime());
+            if (restarts) restart.open();
+            if (stopped)
+                runTime.writeAndEnd();
+            else
+                runTime.write();
+            if (restarts)
             {
                 bed.particlesWillMove();
-                dem->writeRestart(restart.folder() / "particles.liggghts");
+                restart.writeParticles(*dem);
                 bed.particlesHaveMoved();
-                dictionary state(bed.state());
-                state.add("demStep", label(dem->step()));
-                restart.complete(state);
+                restart.complete(bed.state(), *dem);
             }
             ++steps;
             runTime.printExecutionTime(Info);
         }
+        if (stopped) printStopped(runTime, stopped, settings.writeRestart);
         bed.finish(static_cast<OSstream&>(Info));
         dem->finish();
         for (const auto& part : dem->times()) timing.add("DEM: " + part.first, part.second);
@@ -247,6 +264,7 @@ int main(int argc, char* argv[])
         printSpeed(timing, mesh, coupling, particleSteps, steps);
         Info << nl << "End" << nl << endl;
     }
-    if (ownMpi) MPI_Finalize();
+    if (ownMpi || stopped) MPI_Finalize();
+    if (stopped && stopped != SIGUSR2) std::_Exit(128 + stopped); // OpenFOAM ends every run with 0
     return 0;
 }

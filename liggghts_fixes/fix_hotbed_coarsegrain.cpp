@@ -3,6 +3,7 @@
 #include "fix_hotbed_coarsegrain.h"
 
 #include "closures.hpp"
+#include "runaway.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -63,6 +64,17 @@ FixHotbedCoarsegrain::FixHotbedCoarsegrain(LAMMPS* lmp, int narg, char** arg) : 
     size_vector = 7;
     global_freq = 1;
     extscalar = extvector = 0;
+}
+
+int FixHotbedCoarsegrain::setmask()
+{
+    return FixConst::PRE_EXCHANGE;
+}
+
+/// Before new neighbour lists, when particles outside the box are still there.
+void FixHotbedCoarsegrain::pre_exchange()
+{
+    hotbed::refuseRunaways(*lmp);
 }
 
 double FixHotbedCoarsegrain::positive(const char* keyword, const char* text) const
