@@ -264,7 +264,8 @@ int main(int argc, char* argv[])
         printSpeed(timing, mesh, coupling, particleSteps, steps);
         Info << nl << "End" << nl << endl;
     }
-    if (ownMpi || stopped) MPI_Finalize();
-    if (stopped && stopped != SIGUSR2) std::_Exit(128 + stopped); // OpenFOAM ends every run with 0
+    const bool interrupted = stopped && stopped != SIGUSR2;
+    if (ownMpi || interrupted) MPI_Finalize();
+    if (interrupted) std::_Exit(128 + stopped); // OpenFOAM ends every run with 0
     return 0;
 }

@@ -3,7 +3,11 @@
 #include <cfenv>
 #include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <sstream>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 using namespace Foam;
 
@@ -13,6 +17,7 @@ namespace
 {
 
 volatile std::sig_atomic_t received = 0;
+bool mpirunReads = false; // what is printed
 const Watch* watching = nullptr;
 
 void handle(int signal, void (*handler)(int))
@@ -29,6 +34,9 @@ void ask(int signal)
     // whichever comes second
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
+    // who read what is printed may have ended on the same signal; mpirun stops reading: printing must not block then
+    std::signal(SIGPIPE, SIG_IGN);
+    if (mpirunReads && signal != SIGUSR2) fcntl(STDOUT_FILENO, F_SETFL, O_NONBLOCK);
 }
 
 void trapped(int)
@@ -53,6 +61,7 @@ std::string place(const vector& x)
 Watch::Watch(const fvMesh& mesh, const Gas& gas, const Dem& dem) : mesh_(mesh), gas_(gas), dem_(dem)
 {
     watching = this;
+    mpirunReads = std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr;
     for (const int signal : {SIGINT, SIGTERM, SIGUSR2}) handle(signal, ask);
     handle(SIGFPE, trapped);
 }
