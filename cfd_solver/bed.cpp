@@ -28,6 +28,7 @@ Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas
         particleEnergyAtStart_ = particleEnergy_ = particleEnergy();
     }
     gasMomentumAtStart_ = gasMomentum_ = gas_.momentumContent();
+    if (dem_.moving()) largestOverlap();
     if (!Pstream::master()) return;
     const fileName folder = runTime_.globalPath() / "postProcessing" / "hotbed" / runTime_.timeName();
     mkDir(folder);
@@ -135,24 +136,38 @@ void Bed::heights(double& mean, double& height) const
     height = (layer + 1 - above / volume[layer]) * extent_ / layers;
 }
 
+double Bed::largestOverlap() const
+{
+    int particle = -1;
+    const double overlap = dem_.largestOverlap(&particle);
+    if (overlap > 0.25)
+        FatalErrorInFunction
+            << dem_.describe(particle).c_str() << " overlaps what it touches by " << overlap
+            << " of the smaller one's diameter, half its radius or more. Likely particles were made or "
+            << "inserted on top of each other, the springs are too soft (kn), or the DEM step is too "
+            << "long (timestep). The restarts written before are whole" << exit(FatalError);
+    return returnReduce(overlap, maxOp<double>());
+}
+
 void Bed::line()
 {
     const label particles = returnReduce(label(dem_.size()), sumOp<label>());
+    if (particles < particles_ && !warned_)
+    {
+        warned_ = true;
+        WarningInFunction << particles_ - particles << " of " << particles_ << " particles are gone at "
+                          << runTime_.timeName() << " s: they left LIGGGHTS' box or the DEM script removed them. Where "
+                          << "that is not meant, look for a wall that is missing or too soft (kn); 'thermo_modify lost "
+                          << "error' in the DEM script makes it an error. Said once" << endl;
+    }
+    particles_ = particles;
     const scalar pressureDrop = gas_.pressureDrop();
     if (csv_.is_open()) csv_ << runTime_.value() << ',' << particles << ',' << pressureDrop << ',' << mismatch_;
     if (dem_.moving())
     {
         double mean = 0, height = 0;
         heights(mean, height);
-        int particle = -1;
-        const double mine = dem_.largestOverlap(&particle);
-        if (mine > 0.5)
-            FatalErrorInFunction
-                << dem_.describe(particle).c_str() << " overlaps what it touches by " << mine
-                << " of its diameter: its centre is inside it. Likely the springs are too soft (kn), the "
-                << "DEM step is too long (timestep), or particles were made or inserted on top of each "
-                << "other. The restarts written before are whole" << exit(FatalError);
-        const double overlap = returnReduce(mine, maxOp<double>());
+        const double overlap = largestOverlap();
         if (csv_.is_open()) csv_ << ',' << mean << ',' << height << ',' << overlap;
     }
     if (coupling_.heat())

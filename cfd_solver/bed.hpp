@@ -33,6 +33,7 @@ private:
     double particleEnergy() const;
     double momentumError() const; ///< not accounted for, of the impulse given to the particles
     void line();
+    double largestOverlap() const; ///< of all ranks; one of half a radius ends the run with the particle's name
     void heights(double& mean, double& height) const;
 
     const Foam::Time& runTime_;
@@ -40,6 +41,8 @@ private:
     const Dem& dem_;
     const Gas& gas_;
     const int interval_;
+    Foam::label particles_ = 0;   ///< at the last line
+    bool warned_ = false;         ///< of particles that are gone
     bool recorded_ = true;        ///< the last step has its line
     Foam::vector up_;             ///< against gravity
     double low_ = 0, extent_ = 0; ///< of the mesh along up_ [m]

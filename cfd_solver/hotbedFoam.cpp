@@ -172,6 +172,7 @@ int main(int argc, char* argv[])
     int stopped = 0;
     {
         checkVersion();
+        Watch::trapFloatingPoint();
         Restart::setAsideUnfinished(args.globalPath());
         Time runTime(Time::controlDictName, args);
         Restart restart(runTime);

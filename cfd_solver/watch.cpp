@@ -42,11 +42,15 @@ void ask(int signal)
 void trapped(int)
 {
     fedisableexcept(FE_ALL_EXCEPT); // what is looked at is not finite
-    FatalErrorInFunction
-        << "a division by zero, an overflow or a number that is not finite. " << watching->worst().c_str()
-        << ". Likely the time step is too long (maxCo, maxDeltaT or deltaT in system/controlDict, "
-        << "timestep in the DEM script) or a boundary value impossible. The restarts written before are "
-        << "whole" << exit(FatalError);
+    FatalErrorInFunction << "a division by zero, an overflow or a number that is not finite. ";
+    if (watching)
+        FatalError << watching->worst().c_str() << ". Likely the time step is too long (maxCo, maxDeltaT or deltaT in "
+                   << "system/controlDict, timestep in the DEM script) or a boundary value impossible. "
+                   << "The restarts written before are whole";
+    else
+        FatalError << "It came up while the case was set up: likely the DEM script puts two particles at one place, or "
+                   << "a start or boundary value of T, p or U is impossible (zero kelvin, zero pressure)";
+    FatalError << exit(FatalError);
 }
 
 std::string place(const vector& x)
@@ -58,17 +62,21 @@ std::string place(const vector& x)
 
 } // namespace
 
+void Watch::trapFloatingPoint()
+{
+    handle(SIGFPE, trapped);
+}
+
 Watch::Watch(const fvMesh& mesh, const Gas& gas, const Dem& dem) : mesh_(mesh), gas_(gas), dem_(dem)
 {
     watching = this;
     mpirunReads = std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr;
     for (const int signal : {SIGINT, SIGTERM, SIGUSR2}) handle(signal, ask);
-    handle(SIGFPE, trapped);
 }
 
 Watch::~Watch()
 {
-    for (const int signal : {SIGINT, SIGTERM, SIGUSR2, SIGFPE}) std::signal(signal, SIG_DFL);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR2}) std::signal(signal, SIG_DFL);
     watching = nullptr;
 }
 
@@ -102,8 +110,9 @@ void Watch::gas() const
         FatalErrorInFunction
             << "the gas blew up at " << mesh_.time().timeName() << " s: " << bad.c_str()
             << ". Likely the time step is too long (maxCo, maxDeltaT or deltaT in system/controlDict), "
-            << "a boundary value is impossible, or particles heat or push the gas out of its range. "
-            << "The restarts written before are whole" << exit(FatalError);
+            << "a boundary value is impossible, or particles heat or push the gas out of its range; the fastest one of "
+            << "this rank is " << dem_.fastest().c_str() << ". The restarts written before are whole"
+            << exit(FatalError);
 }
 
 std::string Watch::worst() const

@@ -12,8 +12,11 @@ namespace hotbed
 class Watch
 {
 public:
-    /// From now on SIGINT, SIGTERM and SIGUSR2 only ask for the end of the run; a second one kills. A floating point
-    /// exception says what was wrong with gas and particles.
+    /// From now on a floating point exception ends the run with an error that says what was wrong with gas and
+    /// particles, where there is a Watch.
+    static void trapFloatingPoint();
+
+    /// From now on SIGINT, SIGTERM and SIGUSR2 only ask for the end of the run; a second one kills.
     Watch(const Foam::fvMesh& mesh, const Gas& gas, const Dem& dem);
     ~Watch();
 

@@ -123,6 +123,7 @@ void Dem::setup(bool resumed)
     lmp.modify->timing = 1;
     update.integrate->setup();
     if (resumed && instance_->drag) instance_->drag->restoreForces();
+    refuseRunaways(lmp);
     instance_->errors.running = &lmp;
 }
 

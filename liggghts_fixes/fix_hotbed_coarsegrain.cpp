@@ -81,7 +81,7 @@ double FixHotbedCoarsegrain::positive(const char* keyword, const char* text) con
 {
     char* end = nullptr;
     const double value = std::strtod(text, &end);
-    if (end == text || *end != '\0' || !(value > 0.0) || !std::isfinite(value))
+    if (end == text || *end != '\0' || !std::isfinite(value) || !(value > 0.0))
         error->all(FLERR, (std::string("Fix hotbed/coarsegrain (id ") + id + "): " + keyword +
                            " must be a number > 0, not '" + text + "'")
                               .c_str());
