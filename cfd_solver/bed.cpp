@@ -140,12 +140,11 @@ double Bed::largestOverlap() const
 {
     int particle = -1;
     const double overlap = dem_.largestOverlap(&particle);
-    if (overlap > 0.25)
-        FatalErrorInFunction
-            << dem_.describe(particle).c_str() << " overlaps what it touches by " << overlap
-            << " of the smaller one's diameter, half its radius or more. Likely particles were made or "
-            << "inserted on top of each other, the springs are too soft (kn), or the DEM step is too "
-            << "long (timestep). The restarts written before are whole" << exit(FatalError);
+    if (overlap > 0.3)
+        FatalErrorInFunction << dem_.describe(particle).c_str() << " overlaps what it touches by " << overlap
+                             << " of the smaller one's diameter. Likely particles were made or "
+                             << "inserted on top of each other, the springs are too soft (kn), or the DEM step is too "
+                             << "long (timestep). The restarts written before are whole" << exit(FatalError);
     return returnReduce(overlap, maxOp<double>());
 }
 

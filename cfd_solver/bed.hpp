@@ -33,7 +33,7 @@ private:
     double particleEnergy() const;
     double momentumError() const; ///< not accounted for, of the impulse given to the particles
     void line();
-    double largestOverlap() const; ///< of all ranks; one of half a radius ends the run with the particle's name
+    double largestOverlap() const; ///< of all ranks; one that is too large ends the run with the particle's name
     void heights(double& mean, double& height) const;
 
     const Foam::Time& runTime_;

@@ -241,10 +241,7 @@ int main(int argc, char* argv[])
             bed.record(stopped || runTime.value() > runTime.endTime().value() - 0.5 * runTime.deltaTValue());
             const bool restarts = settings.writeRestart && (stopped || runTime.writeTime());
             if (restarts) restart.open();
-            if (stopped)
-                runTime.writeAndEnd();
-            else
-                runTime.write();
+            writeFields(runTime, stopped);
             if (restarts)
             {
                 bed.particlesWillMove();

@@ -12,6 +12,8 @@
 #include <set>
 #include <sstream>
 
+#include <sys/statvfs.h>
+
 using namespace Foam;
 
 namespace hotbed
@@ -51,6 +53,14 @@ bool closed(const fileName& path, std::string end)
     return end.find("*********** //") != std::string::npos;
 }
 
+[[noreturn]] void cannotWriteFields(const Time& runTime, const fileName& path)
+{
+    struct statvfs disk;
+    const bool full = statvfs(path.path().c_str(), &disk) == 0 && disk.f_bavail * disk.f_frsize < 65536;
+    rmDir(runTime.timePath());
+    cannotWrite(path, full ? ENOSPC : EIO);
+}
+
 /// Checksums of the files that OpenFOAM wrote of this rank's fields at the present time, a line each.
 std::string fieldChecksums(const Time& runTime)
 {
@@ -62,11 +72,7 @@ std::string fieldChecksums(const Time& runTime)
         const fileName path = runTime.timePath() / name;
         std::string end;
         const std::string sum = checksum(path, end);
-        if (!closed(path, end))
-        {
-            rmDir(runTime.timePath()); // room for the log
-            cannotWrite(path, ENOSPC);
-        }
+        if (!closed(path, end)) cannotWriteFields(runTime, path);
         lines << sum << "  " << path.relative(runTime.globalPath()).c_str() << '\n';
     }
     return lines.str();
@@ -79,6 +85,24 @@ std::string subdomain(const std::string& path)
 }
 
 } // namespace
+
+void writeFields(Time& runTime, bool now)
+{
+    const bool throwing = FatalIOError.throwExceptions();
+    try
+    {
+        if (now)
+            runTime.writeAndEnd();
+        else
+            runTime.write();
+    }
+    catch (const IOerror& problem)
+    {
+        FatalIOError.dontThrowExceptions();
+        cannotWriteFields(runTime, problem.ioFileName());
+    }
+    if (!throwing) FatalIOError.dontThrowExceptions();
+}
 
 void Restart::setAsideUnfinished(const fileName& casePath)
 {
@@ -129,7 +153,11 @@ void Restart::refuseDamaged() const
     string damaged;
     if (Pstream::master() && isFile(list))
     {
-        std::ifstream file(list);
+        std::stringstream file;
+        file << std::ifstream(list).rdbuf();
+        const std::string ends = "/state\n"; // its last entry
+        const std::string text = file.str();
+        const bool whole = text.size() > ends.size() && text.compare(text.size() - ends.size(), ends.size(), ends) == 0;
         std::vector<std::pair<std::string, std::string>> entries;
         std::set<std::string> subdomains;
         for (std::string sum, path; file >> sum && std::getline(file >> std::ws, path);)
@@ -139,17 +167,14 @@ void Restart::refuseDamaged() const
         }
         const bool sameRanks = Pstream::parRun() ? int(subdomains.size()) == Pstream::nProcs() && !subdomains.count("")
                                                  : subdomains.count("") == subdomains.size();
-        std::set<std::string> listed;
         std::string end;
         for (const auto& [sum, path] : entries)
         {
-            listed.insert(fileName(path).name());
             if (!sameRanks && path.compare(0, 8, "restart/") != 0) continue;
             if (damaged.empty() && checksum(runTime_.globalPath() / path, end) != sum)
                 damaged = path + (isFile(runTime_.globalPath() / path) ? " is not as the run wrote it" : " is missing");
         }
-        if (damaged.empty() && (!listed.count("state") || !listed.count(particleFile)))
-            damaged = list.relative(runTime_.globalPath()) + " is not as the run wrote it";
+        if (damaged.empty() && !whole) damaged = list.relative(runTime_.globalPath()) + " is not as the run wrote it";
     }
     Pstream::scatter(damaged);
     if (!damaged.empty())
@@ -223,9 +248,9 @@ void Restart::complete(dictionary state, const Dem& dem)
     const fileName place = "restart" / fileName(runTime_.timeName());
     WholeFile checksums(folder() / "checksums");
     std::ostringstream lines;
-    lines << particleSum_ << "  " << (place / particleFile).c_str() << '\n'
-          << sum.digest().str() << "  " << (place / "state").c_str() << '\n';
+    lines << particleSum_ << "  " << (place / particleFile).c_str() << '\n';
     for (const string& ofRank : sums) lines << ofRank.c_str();
+    lines << sum.digest().str() << "  " << (place / "state").c_str() << '\n';
     checksums.write(lines.str().data(), lines.str().size());
     checksums.close();
     WholeFile last(folder() / "state");

@@ -7,6 +7,11 @@
 namespace hotbed
 {
 
+/// OpenFOAM's fields of the present time. Ends the run where they cannot be written whole; what is there is removed, to
+/// make room for the log.
+/// @param now  even if it is not time for it; the run ends
+void writeFields(Foam::Time& runTime, bool now);
+
 /// Restarts, one for each of OpenFOAM's write times, in restart/<time>/ beside the time folders: LIGGGHTS' restart
 /// file, `checksums` of everything the restart is made of (as of `sha1sum`, paths from the case), and the dictionary
 /// `state`, which appears only when everything else of that time is on disk. A time without it is not taken for a

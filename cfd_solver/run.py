@@ -266,7 +266,8 @@ def main():
             stop(process, run, stopped.number)
         log = run / "log.hotbedFoam"
         if code != 0:
-            raise CaseError(f"the run failed (exit status {code}); the end of {log}:\n{tail(log)}")
+            full = ". Its disk is full: make room, then go on with --restart" if shutil.disk_usage(run).free < 65536 else ""
+            raise CaseError(f"the run failed (exit status {code}); the end of {log}:\n{tail(log)}{full}")
         finish(run, options.np)
         for_paraview(run)
         text = ending(log)

@@ -9,6 +9,7 @@
 #include "write_stream.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -75,6 +76,9 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
     : instance_(new Instance)
 {
     if (!std::ifstream(script)) throw std::runtime_error("cannot read the DEM script '" + script + "'");
+
+    if (!std::ofstream(log, std::ios::app)) // LIGGGHTS, without a screen yet, could not say so
+        throw std::runtime_error("cannot write '" + log + "': " + std::strerror(errno));
 
     std::vector<std::string> words = {"hotbed", "-log", log, "-screen", "none"};
     for (const auto& variable : variables) words.insert(words.end(), {"-var", variable.first, variable.second});
