@@ -1,5 +1,13 @@
-"""What `./hotbed validate faults` puts into the small slim bed to blow it up, and what the error must say."""
+"""What `./hotbed validate faults` puts into the small slim bed to blow it up, what the error must say, and how its runs are looked
+at."""
 
+import re
+import subprocess
+
+import results
+import run as hotbed
+
+STEP = 1e-4  # the longest gas step [s]
 SMALL = {"l": "2.5", "width": "0.01", "depth": "0.005", "height": "0.03", "cellsWidth": "8", "cellsDepth": "4", "cellsHeight": "24",
          "solids": "2.75e-7", "maxDeltaT": "1e-4", "writeInterval": "0.001"}
 
@@ -45,3 +53,39 @@ LATER = {
     "a particle at 300 m/s": (last("group one id 7\nvelocity one set 300 0 0"), ("particle 7", *RUNAWAY)),
     "a particle at 1e6 K": (last("run 0\ngroup one id 7\nset group one property/atom Temp 1e6"), ("particle 7", *TEMPERATURE)),
 }
+
+
+def solve(run, ranks=1):
+    """@return (exit status, log)"""
+    code = hotbed.start(run, ranks).wait(timeout=300)
+    return code, (run / "log.hotbedFoam").read_text(errors="replace")
+
+
+def shown(run):
+    """As `solve`, on one rank, without a log file."""
+    done = subprocess.run([hotbed.SOLVER, "-case", run], env=hotbed.environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, timeout=300)
+    return done.returncode, done.stdout
+
+
+def lacking(log, *texts):
+    """What a log was to say and does not, newlines aside."""
+    flat = " ".join(log.split())
+    return [f"the log lacks '{text}'" for text in texts if text not in flat]
+
+
+def goes_on(run, ranks, restart):
+    """Goes on with a run for a few steps. @return what is wrong: an error, another start than the restart, energy lost"""
+    hotbed.change_settings(run / "settings", {"endTime": f"{restart + 5 * STEP:.7g}"})
+    code, log = solve(run, ranks)
+    if code != 0:
+        return [f"went on with exit status {code}: {' '.join(log[log.find('ERROR'):].split())[:200]}"]
+    wrong = elsewhere(log, restart)
+    budget = abs(results.bed(run)["budget_error"][-1])
+    return wrong if budget < 1e-8 else [*wrong, f"energy not accounted for: {budget:.1e}"]
+
+
+def elsewhere(log, restart):
+    """What is wrong where a run has not gone on right after a restart."""
+    first = float((re.findall(r"(?m)^Time = (\S+)", log) or ["nan"])[0])
+    return [] if restart < first < restart + 1.1 * STEP else [f"went on at {first} s instead of after {restart} s"]
