@@ -83,7 +83,7 @@ def spoil(path, how, other):
 
 def restart_files(faults, ranks, files, ways):
     """Damage to the files of the last restart: refused with the file's name and the mend, which makes the one before go on."""
-    foreign = scene(faults.folder, f"foreign-{ranks}", ranks, solids="2e-7", cellsWidth="6", endTime=LAST)
+    foreign = scene(faults.folder, f"foreign-{ranks}", ranks, solids="2e-7", cellsWidth="6", maxDeltaT="8e-5", endTime=LAST)
     hotbed.run_case(foreign, ranks)
     for file in files:
         for how in ways:
