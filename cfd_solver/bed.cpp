@@ -1,8 +1,11 @@
 #include "bed.hpp"
 
+#include "whole_file.hpp"
+
 #include "OSspecific.H"
 
 #include <algorithm>
+#include <cerrno>
 #include <iomanip>
 #include <numeric>
 
@@ -25,10 +28,13 @@ Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas
         particleEnergyAtStart_ = particleEnergy_ = particleEnergy();
     }
     gasMomentumAtStart_ = gasMomentum_ = gas_.momentumContent();
+    if (dem_.moving()) largestOverlap();
     if (!Pstream::master()) return;
     const fileName folder = runTime_.globalPath() / "postProcessing" / "hotbed" / runTime_.timeName();
     mkDir(folder);
-    csv_.open(folder / "bed.csv");
+    csvPath_ = folder / "bed.csv";
+    csv_.open(csvPath_);
+    if (!csv_) cannotWrite(csvPath_, errno);
     csv_ << "time_s,particles,pressure_drop_Pa,mismatch";
     if (dem_.moving()) csv_ << ",z_mean_m,height_m,overlap_max";
     if (coupling_.heat())
@@ -86,7 +92,7 @@ void Bed::particlesHaveMoved()
     if (coupling_.heat() && dem_.moving()) carried_ += particleEnergy() - energyBeforeMove_;
 }
 
-void Bed::record()
+void Bed::record(bool last)
 {
     if (coupling_.heat())
     {
@@ -101,7 +107,7 @@ void Bed::record()
     }
     mismatch_ = std::max(mismatch_, coupling_.mismatch());
     // the last one now: writing a restart puts the particles in another order, sums differ in the last digit
-    recorded_ = runTime_.timeIndex() % interval_ == 0 || runTime_.end();
+    recorded_ = runTime_.timeIndex() % interval_ == 0 || last;
     if (recorded_) line();
 }
 
@@ -130,16 +136,37 @@ void Bed::heights(double& mean, double& height) const
     height = (layer + 1 - above / volume[layer]) * extent_ / layers;
 }
 
+double Bed::largestOverlap() const
+{
+    int particle = -1;
+    const double overlap = dem_.largestOverlap(&particle);
+    if (overlap > 0.3)
+        FatalErrorInFunction << dem_.describe(particle).c_str() << " overlaps what it touches by " << overlap
+                             << " of the smaller one's diameter. Likely particles were made or "
+                             << "inserted on top of each other, the springs are too soft (kn), or the DEM step is too "
+                             << "long (timestep). The restarts written before are whole" << exit(FatalError);
+    return returnReduce(overlap, maxOp<double>());
+}
+
 void Bed::line()
 {
     const label particles = returnReduce(label(dem_.size()), sumOp<label>());
+    if (particles < particles_ && !warned_)
+    {
+        warned_ = true;
+        WarningInFunction << particles_ - particles << " of " << particles_ << " particles are gone at "
+                          << runTime_.timeName() << " s: they left LIGGGHTS' box or the DEM script removed them. Where "
+                          << "that is not meant, look for a wall that is missing or too soft (kn); 'thermo_modify lost "
+                          << "error' in the DEM script makes it an error. Said once" << endl;
+    }
+    particles_ = particles;
     const scalar pressureDrop = gas_.pressureDrop();
     if (csv_.is_open()) csv_ << runTime_.value() << ',' << particles << ',' << pressureDrop << ',' << mismatch_;
     if (dem_.moving())
     {
         double mean = 0, height = 0;
         heights(mean, height);
-        const double overlap = returnReduce(dem_.largestOverlap(), maxOp<double>());
+        const double overlap = largestOverlap();
         if (csv_.is_open()) csv_ << ',' << mean << ',' << height << ',' << overlap;
     }
     if (coupling_.heat())
@@ -185,7 +212,9 @@ void Bed::line()
             csv_ << ',' << impulse_.x() << ',' << impulse_.y() << ',' << impulse_.z() << ',' << impulseExchanged_ << ','
                  << momentumError();
     }
-    if (csv_.is_open()) csv_ << std::endl; // to disk: what a killed run has computed is there
+    if (!csv_.is_open()) return;
+    csv_ << std::endl; // to disk: what a killed run has computed is there
+    if (!csv_) cannotWrite(csvPath_, errno);
 }
 
 double Bed::momentumError() const

@@ -23,8 +23,8 @@ public:
     void particlesWillMove();
     void particlesHaveMoved();
 
-    /// After a step: the budget goes on; a line where it is time for one.
-    void record();
+    /// After a step: the budget goes on; a line where it is time for one, or the run ends.
+    void record(bool last);
 
     /// The closing budget, and the line of the last step where it is not there yet.
     void finish(Foam::Ostream& out);
@@ -33,6 +33,7 @@ private:
     double particleEnergy() const;
     double momentumError() const; ///< not accounted for, of the impulse given to the particles
     void line();
+    double largestOverlap() const; ///< of all ranks; one that is too large ends the run with the particle's name
     void heights(double& mean, double& height) const;
 
     const Foam::Time& runTime_;
@@ -40,9 +41,12 @@ private:
     const Dem& dem_;
     const Gas& gas_;
     const int interval_;
+    Foam::label particles_ = 0;   ///< at the last line
+    bool warned_ = false;         ///< of particles that are gone
     bool recorded_ = true;        ///< the last step has its line
     Foam::vector up_;             ///< against gravity
     double low_ = 0, extent_ = 0; ///< of the mesh along up_ [m]
+    Foam::fileName csvPath_;
     std::ofstream csv_;
 
     double gasEnergyAtStart_ = 0, particleEnergyAtStart_ = 0;

@@ -11,8 +11,9 @@ namespace hotbed
 namespace
 {
 
-constexpr int heatSums = 8;   // G, X, G T, G decay, G x, and nothing: a cache line
-constexpr int readFields = 8; // T - grad T . x, grad T, what the early share adds
+constexpr int heatSums = 8;     // G, X, G T, G decay, G x, and nothing: a cache line
+constexpr double hottest = 1e5; // [K], beyond it something is wrong
+constexpr int readFields = 8;   // T - grad T . x, grad T, what the early share adds
 
 } // namespace
 
@@ -34,6 +35,11 @@ void Coupling::heatToGas()
     exchange.reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
     for (int i = 0; i < n; ++i)
     {
+        if (!(T[i] > 0.0 && T[i] < hottest))
+            FatalErrorInFunction << dem_.describe(i).c_str() << " has the temperature " << T[i]
+                                 << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "
+                                 << "set_property), or the heat capacity or an inlet temperature is impossible. The "
+                                 << "restarts written before are whole" << exit(FatalError);
         const double mc = dem_.heatCapacity(i);
         const double b = conductance_[i] * dt / mc;
         const Relaxation r = settings_.linearExchange ? relaxation(b) : Relaxation{b, 0.0};

@@ -7,9 +7,11 @@
 #include "gas.hpp"
 #include "restart.hpp"
 #include "settings.hpp"
+#include "watch.hpp"
 
 #include "foamVersion.H"
 
+#include <csignal>
 #include <mpi.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -117,6 +119,16 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
          << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
 
+void printStopped(const Time& runTime, int signal, bool restarts)
+{
+    Info << nl << "Stopped by signal " << signal << " at " << runTime.timeName() << " s, ";
+    if (restarts)
+        Info << "restart written: with startFrom latestTime the run goes on from there when it is started again "
+             << "(./hotbed run CASE --restart)" << nl;
+    else
+        Info << "fields written, no restart (writeRestart no in constant/couplingProperties)" << nl;
+}
+
 /// The lines below the timing table. @param particleSteps DEM steps times the particles of this rank
 void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, scalar particleSteps, long steps)
 {
@@ -160,11 +172,13 @@ int main(int argc, char* argv[])
     long steps = 0;
     scalar particleSteps = 0;
     Check check(args);
+    int stopped = 0;
     {
         checkVersion();
+        Watch::trapFloatingPoint();
         Restart::setAsideUnfinished(args.globalPath());
         Time runTime(Time::controlDictName, args);
-        const Restart restart(runTime);
+        Restart restart(runTime);
         const CouplingSettings settings(runTime);
         Timing timing;
         std::unique_ptr<Dem> dem;
@@ -177,11 +191,7 @@ int main(int argc, char* argv[])
             dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, variables, "log.liggghts");
             check.particles(*dem);
             demSteps(runTime, *dem, settings.demScript);
-            if (restart.resumed() && dem->step() != restart.state().get<label>("demStep"))
-                FatalErrorInFunction << settings.demScript
-                                     << " did not go on from the restart: where the variable resume "
-                                     << "is 1, it must say 'read_restart ${restart}' instead of making a box and "
-                                     << "particles" << exit(FatalError);
+            restart.compare(*dem, settings.demScript);
             dem->setup(restart.resumed());
         }
         catch (const std::exception& problem)
@@ -205,6 +215,7 @@ int main(int argc, char* argv[])
         if (restart.resumed()) bed.resume(restart.state());
 
         if (settings.writeRestart) restart.begin();
+        const Watch watch(mesh, gas, *dem);
         Info << "Starting time loop" << nl << endl;
         while (runTime.run())
         {
@@ -220,6 +231,7 @@ int main(int argc, char* argv[])
             {
                 const auto time = timing.measure("gas");
                 gas.advance();
+                watch.gas();
             }
             coupling.gasToParticles();
             bed.particlesWillMove();
@@ -230,21 +242,24 @@ int main(int argc, char* argv[])
             }
             bed.particlesHaveMoved();
             const auto time = timing.measure("output");
-            bed.record();
-            if (runTime.write() && settings.writeRestart)
+            stopped = watch.signal();
+            bed.record(stopped || runTime.value() > runTime.endTime().value() - 0.5 * runTime.deltaTValue());
+            const bool restarts = settings.writeRestart && (stopped || runTime.writeTime());
+            if (restarts) restart.open();
+            writeFields(runTime, stopped);
+            if (restarts)
             {
                 bed.particlesWillMove();
-                dem->writeRestart(restart.folder() / "particles.liggghts");
+                restart.writeParticles(*dem);
                 bed.particlesHaveMoved();
-                dictionary state(bed.state());
-                state.add("demStep", label(dem->step()));
-                restart.complete(state);
+                restart.complete(bed.state(), *dem);
             }
             ++steps;
             if (check.enough(timing.of("DEM"), courantRate, substeps, runTime.value())) break;
             runTime.printExecutionTime(Info);
         }
         check.cost();
+        if (stopped) printStopped(runTime, stopped, settings.writeRestart);
         bed.finish(static_cast<OSstream&>(Info));
         dem->finish();
         for (const auto& part : dem->times()) timing.add("DEM: " + part.first, part.second);
@@ -254,6 +269,8 @@ int main(int argc, char* argv[])
         printSpeed(timing, mesh, coupling, particleSteps, steps);
         Info << nl << "End" << nl << endl;
     }
-    if (ownMpi) MPI_Finalize();
+    const bool interrupted = stopped && stopped != SIGUSR2;
+    if (ownMpi || interrupted) MPI_Finalize();
+    if (interrupted) std::_Exit(128 + stopped); // OpenFOAM ends every run with 0
     return 0;
 }

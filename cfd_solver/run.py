@@ -4,12 +4,13 @@ import argparse
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import paraview
+from follow import Stopped, ending, progress, stop
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = Path(os.environ.get("HOTBED_BUILD", ROOT / "build"))
@@ -116,18 +117,36 @@ def resume(run, changes=None, ranks=1):
     Raises CaseError where there is no run, or one without restarts.
     """
     run = Path(run)
-    if not any(run.glob("restart/*/state")):
+    restarts = sorted(run.glob("restart/*/state"), key=lambda state: float(state.parent.name))
+    if not restarts:
         raise CaseError(f"{run} holds no restart to go on from: run it anew, without --restart")
+    last = restarts[-1].parent
     change_case(run, changes or {})
     before = len(list(run.glob("processor*"))) or 1
     if before == ranks:
         return
+    # the time of the restart: a later one is what a killed run left unfinished
+    move_checksums(run, last / "checksums")
     if before > 1:
-        tool(run, "reconstructPar", "-latestTime")
+        tool(run, "reconstructPar", "-time", last.name)
         for folder in run.glob("processor*"):
             shutil.rmtree(folder)
     if ranks > 1:
-        decompose(run, ranks, "-latestTime")
+        decompose(run, ranks, "-time", last.name)
+
+
+def move_checksums(run, checksums):
+    """Before the fields are split for another number of ranks: refuses damaged ones, then forgets their checksums."""
+    if not checksums.is_file():
+        return
+    check = subprocess.run(["sha1sum", "--check", "--strict", "--quiet", checksums.relative_to(run)], cwd=run,
+                           capture_output=True, text=True)
+    if check.returncode != 0:
+        raise CaseError(f"the restart {checksums.parent} is damaged: {check.stdout.strip() or check.stderr.strip()}\n"
+                        f"To go on from the restart before it, remove {checksums.parent}/state. If you changed the file "
+                        f"yourself and mean it, remove {checksums}")
+    kept = [line for line in checksums.read_text().splitlines(keepends=True) if "  restart/" in line]
+    checksums.write_text("".join(kept))
 
 
 def decompose(run, ranks, *options):
@@ -149,13 +168,6 @@ def tool(run, *command):
         raise CaseError(f"{command[0]} failed in {run}; the end of {log}:\n{tail(log)}")
 
 
-def ending(path):
-    """The last part of a log, which may be long."""
-    with open(path, "rb") as file:
-        file.seek(max(0, os.path.getsize(path) - 20000))
-        return file.read().decode(errors="replace")
-
-
 def tail(path, lines=25):
     return "\n".join(ending(path).splitlines()[-lines:])
 
@@ -167,15 +179,16 @@ def keep(log):
         log.rename(f"{log}.{number}")
 
 
-def start(run, ranks=1, log="log.hotbedFoam"):
-    """Starts the solver in a prepared case. @return subprocess.Popen"""
+def start(run, ranks=1, log="log.hotbedFoam", own_session=False):
+    """Starts the solver in a prepared case. @param own_session  Ctrl-C does not reach it. @return subprocess.Popen"""
     command = [str(SOLVER), "-case", str(Path(run).resolve())]
     if ranks > 1:
         command = ["mpirun", "-np", str(ranks), *command, "-parallel"]
     for name in (log, "log.liggghts"):
         keep(Path(run) / name)
     with open(Path(run) / log, "w") as out:
-        return subprocess.Popen(command, cwd=run, stdout=out, stderr=subprocess.STDOUT, env=environment())
+        return subprocess.Popen(command, cwd=run, stdout=out, stderr=subprocess.STDOUT, env=environment(),
+                                start_new_session=own_session)
 
 
 def finish(run, ranks=1, log="log.hotbedFoam"):
@@ -191,35 +204,6 @@ def for_paraview(run):
     if any(re.fullmatch(r"[\d.e+-]*[1-9][\d.e+-]*", p.name) for p in Path(run).iterdir()):
         tool(run, "foamToVTK", "-noZero", "-no-boundary", "-name", "VTK/gas", "-overwrite")
         paraview.gas(run)
-
-
-def progress(process, run, end, log="log.hotbedFoam"):
-    """Follows a run until it ends: simulated time and remaining wall time, one line on a terminal; the particles'
-    series for ParaView grows with it."""
-    terminal = sys.stdout.isatty()
-    begin, first, shown, drawn = time.time(), None, 0.0, time.time()
-    while process.poll() is None:
-        time.sleep(0.25)
-        if time.time() - drawn > 15:
-            paraview.particles(run)
-            drawn = time.time()
-        with open(Path(run) / log, "rb") as file:
-            file.seek(max(0, os.path.getsize(file.name) - 4000))
-            found = re.findall(rb"Time = (\S+)", file.read())
-        if not found:
-            continue
-        now = float(found[-1])
-        if first is None:
-            first, begin = now, time.time()
-        elapsed = time.time() - begin
-        if now > first and (terminal or elapsed - shown > 15):
-            shown = elapsed
-            left = elapsed * (end - now) / (now - first)
-            print(f"{'' if not terminal else chr(13)}  simulated {now:g} of {end:g} s, about {left:.0f} s to go   ",
-                  end="" if terminal else "\n", flush=True)
-    if terminal:
-        print()
-    return process.returncode
 
 
 def run_case(run, ranks=1):
@@ -247,6 +231,10 @@ def assignments(items):
     return changes
 
 
+def interrupted(number, frame):
+    raise Stopped(number)
+
+
 def main():
     parser = argparse.ArgumentParser(prog="hotbed run", description="Runs a case, coupled.")
     parser.add_argument("case", type=Path, help="folder of the case")
@@ -259,6 +247,8 @@ def main():
     parser.add_argument("--restart", action="store_true", help="go on from the last restart of the same run")
     parser.add_argument("--results", type=Path, default=Path("results"), help="where runs go (default: results)")
     options = parser.parse_args()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, interrupted)
     try:
         if options.np < 1:
             raise CaseError("-np must be at least 1")
@@ -275,16 +265,15 @@ def main():
         end = float(subprocess.check_output(["foamDictionary", "-entry", "endTime", "-value", "system/controlDict"],
                                             cwd=run, env=environment(), text=True).split()[-1])
         print(f"running in {run}, log in {run}/log.hotbedFoam", flush=True)
-        process = start(run, options.np)
+        process = start(run, options.np, own_session=True)
         try:
             code = progress(process, run, end)
-        except KeyboardInterrupt:
-            process.terminate()
-            process.wait()
-            sys.exit("stopped")
+        except Stopped as stopped:
+            stop(process, run, stopped.number)
         log = run / "log.hotbedFoam"
         if code != 0:
-            raise CaseError(f"the run failed (exit status {code}); the end of {log}:\n{tail(log)}")
+            full = ". Its disk is full: make room, then go on with --restart" if shutil.disk_usage(run).free < 65536 else ""
+            raise CaseError(f"the run failed (exit status {code}); the end of {log}:\n{tail(log)}{full}")
         finish(run, options.np)
         for_paraview(run)
         text = ending(log)
@@ -295,6 +284,11 @@ def main():
             subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)], env=pictures)
     except CaseError as problem:
         sys.exit(f"hotbed: {problem}")
+    except OSError as problem:
+        sys.exit(f"hotbed: {problem.filename}: {problem.strerror}: the folder of the run must be writable and its disk "
+                 "have room; what restarts it holds are whole")
+    except Stopped as stopped:
+        sys.exit(128 + stopped.number)
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ word choice(const dictionary& dict, const word& key, const wordList& known)
 scalar positive(const dictionary& dict, const word& key)
 {
     const scalar value = dict.get<scalar>(key);
-    if (!(value > 0) || !std::isfinite(value))
+    if (!std::isfinite(value) || !(value > 0))
         FatalIOErrorInFunction(dict) << key << " must be a number > 0, not " << value << exit(FatalIOError);
     return value;
 }

@@ -8,11 +8,13 @@
 #include "contact_constants.hpp"
 #include "fix_nve_sphere_hotbed.h"
 #include "register_contact.hpp"
+#include "runaway.hpp"
+#include "write_stream.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -29,6 +31,7 @@ namespace
 struct ErrorStream
 {
     std::string script, line;
+    const LAMMPS* running = nullptr; ///< in the time loop, where particles may be to blame
 
     static ssize_t write(void* self, const char* text, std::size_t size)
     {
@@ -42,6 +45,10 @@ struct ErrorStream
             }
             if (stream.line.compare(0, 5, "ERROR") == 0 || stream.line.compare(0, 7, "WARNING") == 0)
                 std::fprintf(stderr, "LIGGGHTS, %s: %s\n", stream.script.c_str(), stream.line.c_str());
+            if (stream.running && stream.line.compare(0, 5, "ERROR") == 0 &&
+                stream.line.find("blew up") == std::string::npos) // that one names its particle
+                std::fprintf(stderr, "The fastest on this rank was %s. The restarts written before are whole.\n",
+                             hotbed::fastest(*stream.running).c_str());
             stream.line.clear();
         }
         return ssize_t(size);
@@ -72,6 +79,9 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
     : instance_(new Instance)
 {
     if (!std::ifstream(script)) throw std::runtime_error("cannot read the DEM script '" + script + "'");
+
+    if (!std::ofstream(log, std::ios::app)) // LIGGGHTS, without a screen yet, could not say so
+        throw std::runtime_error("cannot write '" + log + "': " + std::strerror(errno));
 
     std::vector<std::string> words = {"hotbed", "-log", log, "-screen", "none"};
     for (const auto& variable : variables) words.insert(words.end(), {"-var", variable.first, variable.second});
@@ -129,9 +139,11 @@ void Dem::setup(bool resumed)
     lmp.modify->timing = 1;
     update.integrate->setup();
     if (resumed && instance_->drag) instance_->drag->restoreForces();
+    refuseRunaways(lmp);
+    instance_->errors.running = &lmp;
 }
 
-void Dem::writeRestart(const std::string& path)
+void Dem::writeRestart(const std::function<void(const char* bytes, std::size_t size)>& take)
 {
     LAMMPS& lmp = *instance_->lmp;
     // as after reading: the same order of particles, the same neighbour lists, so that both go on to the last digit
@@ -145,11 +157,9 @@ void Dem::writeRestart(const std::string& path)
     // rebuild, which may be long ago
     for (int i = 0; i < lmp.modify->nfix; ++i)
         if (std::strcmp(lmp.modify->fix[i]->style, "contacthistory") == 0) lmp.modify->fix[i]->pre_exchange();
-    std::string unfinished = path + ".unfinished";
-    WriteRestart(&lmp).write(&unfinished[0]);
-    if (lmp.comm->me == 0 && std::rename(unfinished.c_str(), path.c_str()) != 0)
-        throw std::runtime_error("cannot write the restart file '" + path + "'");
-    MPI_Barrier(lmp.world);
+    const std::unique_ptr<WriteStream> stream(lmp.comm->me == 0 ? new WriteStream(take) : nullptr);
+    std::string path = stream ? stream->path() : "none"; // only the first rank opens it
+    WriteRestart(&lmp).write(&path[0]);
 }
 
 int Dem::size() const
@@ -243,12 +253,18 @@ const double (*Dem::force() const)[3]
     return block(instance_->lmp->atom->f);
 }
 
-double Dem::largestOverlap() const
+double Dem::largestOverlap(int* particle) const
 {
     LAMMPS& lmp = *instance_->lmp;
     const Atom& atom = *lmp.atom;
     const double* radius = atom.radius;
     double largest = 0;
+    const auto seen = [&](int i, double overlap)
+    {
+        if (overlap <= largest) return;
+        largest = overlap;
+        if (particle) *particle = i;
+    };
     if (const auto* pair = dynamic_cast<const PairGran*>(lmp.force->pair))
     {
         const NeighList& list = *pair->list;
@@ -262,8 +278,7 @@ double Dem::largestOverlap() const
                 const double* y = atom.x[j];
                 const double dx = x[0] - y[0], dy = x[1] - y[1], dz = x[2] - y[2];
                 const double reach = radius[i] + radius[j], square = dx * dx + dy * dy + dz * dz;
-                if (square < reach * reach)
-                    largest = std::max(largest, (reach - std::sqrt(square)) / (2 * std::min(radius[i], radius[j])));
+                if (square < reach * reach) seen(i, (reach - std::sqrt(square)) / (2 * std::min(radius[i], radius[j])));
             }
         }
     }
@@ -279,10 +294,20 @@ double Dem::largestOverlap() const
             if (i >= atom.nlocal || !(atom.mask[i] & wall->groupbit)) continue;
             double normal[3];
             const double gap = wall->primitiveWall()->resolveContact(atom.x[i], radius[i], normal);
-            largest = std::max(largest, -gap / (2 * radius[i]));
+            seen(i, -gap / (2 * radius[i]));
         }
     }
     return largest;
+}
+
+std::string Dem::describe(int particle) const
+{
+    return hotbed::describe(*instance_->lmp, particle);
+}
+
+std::string Dem::fastest() const
+{
+    return hotbed::fastest(*instance_->lmp);
 }
 
 double* Dem::temperature() const
@@ -314,6 +339,7 @@ void Dem::advance(int steps)
             if (auto* integration = dynamic_cast<FixNVESphereHotbed*>(lmp.modify->fix[i]))
                 integration->stopAfter(lmp.update->ntimestep + steps);
         lmp.update->integrate->run(steps);
+        refuseRunaways(lmp);
         return;
     }
     for (int s = 0; s < steps; ++s)

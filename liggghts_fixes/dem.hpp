@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -34,8 +35,9 @@ public:
     /// @param resumed  the script read what writeRestart wrote: forces go on from there
     void setup(bool resumed);
 
-    /// Writes LIGGGHTS' restart file with everything of the particles; the name appears when the file is complete.
-    void writeRestart(const std::string& path);
+    /// LIGGGHTS' restart file with everything of the particles. @param take gets its bytes piece by piece, on the first
+    /// rank, from another thread; must not throw
+    void writeRestart(const std::function<void(const char* bytes, std::size_t size)>& take);
 
     int size() const;                    ///< particles of this rank
     const double (*position() const)[3]; ///< [m]
@@ -58,14 +60,19 @@ public:
 
     /// Largest overlap of this rank's particles with each other and with primitive walls at the end of the last DEM
     /// step, over the diameter of the smaller particle; 0 where nothing touches or there is no pair_style gran.
-    double largestOverlap() const;
+    /// @param particle  one of the two, where something touches
+    double largestOverlap(int* particle = nullptr) const;
+
+    std::string describe(int particle) const; ///< id, place and velocity in words
+    std::string fastest() const;              ///< this rank's fastest particle, in words; empty without particles
 
     double* temperature() const;             ///< [K]
     double* nusselt() const;                 ///< [-]
     double heatCapacity(int particle) const; ///< m c [J/K]
     void receive(const double* heat);        ///< [J] by particle
 
-    /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens.
+    /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens. A particle that
+    /// blows up ends the process with LIGGGHTS' kind of message.
     void advance(int steps);
 
     /// Seconds that `advance` has spent so far on contacts, neighbour lists, walls, ..., on this rank.

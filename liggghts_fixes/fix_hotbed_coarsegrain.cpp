@@ -3,6 +3,7 @@
 #include "fix_hotbed_coarsegrain.h"
 
 #include "closures.hpp"
+#include "runaway.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -65,11 +66,22 @@ FixHotbedCoarsegrain::FixHotbedCoarsegrain(LAMMPS* lmp, int narg, char** arg) : 
     extscalar = extvector = 0;
 }
 
+int FixHotbedCoarsegrain::setmask()
+{
+    return FixConst::PRE_EXCHANGE;
+}
+
+/// Before new neighbour lists, when particles outside the box are still there.
+void FixHotbedCoarsegrain::pre_exchange()
+{
+    hotbed::refuseRunaways(*lmp);
+}
+
 double FixHotbedCoarsegrain::positive(const char* keyword, const char* text) const
 {
     char* end = nullptr;
     const double value = std::strtod(text, &end);
-    if (end == text || *end != '\0' || !(value > 0.0) || !std::isfinite(value))
+    if (end == text || *end != '\0' || !std::isfinite(value) || !(value > 0.0))
         error->all(FLERR, (std::string("Fix hotbed/coarsegrain (id ") + id + "): " + keyword +
                            " must be a number > 0, not '" + text + "'")
                               .c_str());

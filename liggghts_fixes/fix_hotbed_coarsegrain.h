@@ -6,13 +6,15 @@ namespace LAMMPS_NS
 {
 
 /// fix ID group hotbed/coarsegrain ratio L [diameter d] [density rho] [stiffness kn] [restitution en et]
-/// The one owner of the coarse-graining ratio: takes the original particle, gives the coarse one as f_ID[1..7].
+/// The one owner of the coarse-graining ratio: takes the original particle, gives the coarse one as f_ID[1..7]. Stops a
+/// run in which a particle blows up, before LIGGGHTS takes it for one that has left the box.
 class FixHotbedCoarsegrain : public Fix
 {
 public:
     FixHotbedCoarsegrain(LAMMPS* lmp, int narg, char** arg);
 
-    int setmask() override { return 0; }
+    int setmask() override;
+    void pre_exchange() override;
     double compute_scalar() override { return ratio_; }
     double compute_vector(int index) override;
 

@@ -20,7 +20,7 @@ FixHotbedHeat::FixHotbedHeat(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg,
         error->fix_error(FLERR, this, "expecting 'initial_temperature T0' and nothing else");
     char* end = nullptr;
     initialTemperature_ = std::strtod(arg[4], &end);
-    if (end == arg[4] || *end != '\0' || !(initialTemperature_ > 0.0) || !std::isfinite(initialTemperature_))
+    if (end == arg[4] || *end != '\0' || !std::isfinite(initialTemperature_) || !(initialTemperature_ > 0.0))
         error->fix_error(
             FLERR, this,
             (std::string("initial_temperature must be a number > 0 in kelvin, not '") + arg[4] + "'").c_str());
