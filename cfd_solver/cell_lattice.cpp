@@ -29,7 +29,10 @@ struct Lattice
     scalar face(int a, int i) const { return origin[a] + i * spacing[a]; }
     scalar volume() const { return cmptProduct(spacing); }
     label number(const Slot& s) const { return (s[2] * count[1] + s[1]) * count[0] + s[0]; }
-    point centre(const Slot& s) const { return origin + cmptMultiply(spacing, vector(s[0] + 0.5, s[1] + 0.5, s[2] + 0.5)); }
+    point centre(const Slot& s) const
+    {
+        return origin + cmptMultiply(spacing, vector(s[0] + 0.5, s[1] + 0.5, s[2] + 0.5));
+    }
     /// distance from the lattice's corner, in boxes
     scalar boxes(int a, scalar x) const { return (x - origin[a]) / spacing[a]; }
 };
@@ -38,8 +41,7 @@ struct Lattice
 Lattice makeLattice(const fvMesh& mesh, int perCell, scalar reach)
 {
     vector extent = Zero; // of a mean cell
-    for (label c = 0; c < mesh.nCells(); ++c)
-        extent += boundBox(mesh.points(), mesh.cellPoints()[c], false).span();
+    for (label c = 0; c < mesh.nCells(); ++c) extent += boundBox(mesh.points(), mesh.cellPoints()[c], false).span();
     reduce(extent, sumOp<vector>());
     const scalar cells = returnReduce(mesh.nCells(), sumOp<label>()), volume = gSum(mesh.V());
     extent *= std::cbrt(volume / cells / cmptProduct(extent)) / perCell;
@@ -57,7 +59,8 @@ Lattice makeLattice(const fvMesh& mesh, int perCell, scalar reach)
         boxes *= lattice.count[a];
     }
     if (boxes > 2e8)
-        FatalErrorInFunction << "the lattice of the mapping has " << boxes << " boxes: too many for memory; set kernelSamples "
+        FatalErrorInFunction << "the lattice of the mapping has " << boxes
+                             << " boxes: too many for memory; set kernelSamples "
                              << "in constant/couplingProperties to less than " << perCell
                              << ", or use particles or a window that are small against the mesh" << exit(FatalError);
     return lattice;
@@ -182,7 +185,8 @@ std::unique_ptr<const Cells> latticeOver(const fvMesh& mesh, int perCell, double
                 if (beyond < 1e-9) continue;
                 // mirrored at the wall the rest is a box across up to eight others
                 point out = (lattice.centre(s) - vector(sum[1], sum[2], sum[3])) / beyond;
-                for (int a = 0; a < 3; ++a) out[a] = std::clamp(out[a], lattice.face(a, s[a]), lattice.face(a, s[a] + 1));
+                for (int a = 0; a < 3; ++a)
+                    out[a] = std::clamp(out[a], lattice.face(a, s[a]), lattice.face(a, s[a] + 1));
                 const pointIndexHit wall = search.nearest(out, vector::uniform(2 * reach + cmptMax(lattice.spacing)));
                 if (!wall.hit()) continue;
                 const point mirrored = 2 * wall.hitPoint() - out;
@@ -237,7 +241,8 @@ std::unique_ptr<const Cells> latticeOver(const fvMesh& mesh, int perCell, double
     const auto number = [&](label box)
     {
         const Slot at = slotOf(box);
-        return ((at[2] - first[2]) * int(face[1].size() - 1) + at[1] - first[1]) * int(face[0].size() - 1) + at[0] - first[0];
+        return ((at[2] - first[2]) * int(face[1].size() - 1) + at[1] - first[1]) * int(face[0].size() - 1) + at[0] -
+               first[0];
     };
     std::vector<char> inside((face[0].size() - 1) * (face[1].size() - 1) * (face[2].size() - 1), 0);
     for (const auto& cells : held) inside[number(cells.first)] = 1;

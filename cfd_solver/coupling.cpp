@@ -59,10 +59,11 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
             }
         return std::make_unique<BoxCells>(boxes, domain);
     }
-    Info << "Mapping: cells of any shape, through a lattice of about " << settings.kernelSamples << "^3 boxes a cell" << nl;
-    return latticeOver(mesh_, settings.kernelSamples,
-                       0.5 * (settings.windowLength > 0 ? settings.windowLength
-                                                        : settings.kernelWidth * 2.0 * dem_.largestRadius()));
+    Info << "Mapping: cells of any shape, through a lattice of about " << settings.kernelSamples << "^3 boxes a cell"
+         << nl;
+    return latticeOver(
+        mesh_, settings.kernelSamples,
+        0.5 * (settings.windowLength > 0 ? settings.windowLength : settings.kernelWidth * 2.0 * dem_.largestRadius()));
 }
 
 void Coupling::refuseOutside() const

@@ -44,7 +44,8 @@ std::vector<Box> boxesBetween(const std::array<std::vector<double>, 3>& face)
     for (std::size_t k = 1; k < face[2].size(); ++k)
         for (std::size_t j = 1; j < face[1].size(); ++j)
             for (std::size_t i = 1; i < face[0].size(); ++i)
-                boxes.push_back({{{face[0][i - 1], face[1][j - 1], face[2][k - 1]}}, {{face[0][i], face[1][j], face[2][k]}}});
+                boxes.push_back(
+                    {{{face[0][i - 1], face[1][j - 1], face[2][k - 1]}}, {{face[0][i], face[1][j], face[2][k]}}});
     return boxes;
 }
 
