@@ -1,7 +1,6 @@
 """Meshes of `./hotbed validate mapping`, their geometry, and kernel masses on them computed apart from Hotbed."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np

@@ -7,7 +7,7 @@ import unittest
 
 import numpy as np
 
-from scenes import CoupledTest, ROOT, TIGHT, edit, run  # first: it finds the modules below
+from scenes import CoupledTest, ROOT, TIGHT, run  # first: it finds the modules below
 import results
 
 # the slices of two ranks cut the bed across the kernels of many particles
