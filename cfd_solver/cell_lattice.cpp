@@ -29,6 +29,10 @@ struct Lattice
     scalar face(int a, int i) const { return origin[a] + i * spacing[a]; }
     scalar volume() const { return cmptProduct(spacing); }
     label number(const Slot& s) const { return (s[2] * count[1] + s[1]) * count[0] + s[0]; }
+    Slot slot(label number) const
+    {
+        return {{number % count[0], number / count[0] % count[1], number / count[0] / count[1]}};
+    }
     point centre(const Slot& s) const
     {
         return origin + cmptMultiply(spacing, vector(s[0] + 0.5, s[1] + 0.5, s[2] + 0.5));
@@ -58,7 +62,7 @@ Lattice makeLattice(const fvMesh& mesh, int perCell, scalar reach)
         lattice.count[a] = inside + 2 * beyond;
         boxes *= lattice.count[a];
     }
-    if (boxes > 2e8)
+    if (boxes > 5e7)
         FatalErrorInFunction << "the lattice of the mapping has " << boxes
                              << " boxes: too many for memory; set kernelSamples "
                              << "in constant/couplingProperties to less than " << perCell
@@ -133,16 +137,17 @@ triSurface boundary(const fvMesh& mesh)
     return triSurface(triangles, all);
 }
 
-} // namespace
-
-std::unique_ptr<const Cells> latticeOver(const fvMesh& mesh, int perCell, double reach)
+/// What the boxes of a lattice hold.
+struct Contents
 {
-    const Lattice lattice = makeLattice(mesh, perCell, reach);
-    const scalar whole = lattice.volume();
+    std::map<label, std::map<label, scalar>> cells; ///< box -> cell of this rank -> part of the box
+    std::vector<std::array<double, 4>> whole;       ///< by box, of all ranks: part that is mesh, its first moment
+};
 
-    // what each box holds of each cell here; of the whole mesh: volume and its first moment
-    std::map<label, std::map<label, scalar>> held; // box -> cell -> part of the box
-    std::vector<double> content(std::size_t(lattice.count[0]) * lattice.count[1] * lattice.count[2] * 4, 0.0);
+Contents cutCells(const fvMesh& mesh, const Lattice& lattice)
+{
+    Contents held;
+    held.whole.assign(std::size_t(lattice.count[0]) * lattice.count[1] * lattice.count[2], {{0, 0, 0, 0}});
     for (label c = 0; c < mesh.nCells(); ++c)
         for (const tetIndices& indices : polyMeshTetDecomposition::cellTetIndices(mesh, c))
         {
@@ -152,100 +157,113 @@ std::unique_ptr<const Cells> latticeOver(const fvMesh& mesh, int perCell, double
                 [&](const Slot& s, const tetPoints& piece)
                 {
                     const tetPointRef t = piece.tet();
-                    const scalar volume = t.mag() / whole;
-                    if (!(volume > 1e-12)) return;
+                    const scalar part = t.mag() / lattice.volume();
+                    if (!(part > 1e-12)) return;
                     const label box = lattice.number(s);
-                    held[box][c] += volume;
+                    held.cells[box][c] += part;
                     const point centre = t.centre();
-                    double* sum = &content[std::size_t(box) * 4];
-                    sum[0] += volume;
-                    for (int a = 0; a < 3; ++a) sum[1 + a] += volume * centre[a];
+                    held.whole[box][0] += part;
+                    for (int a = 0; a < 3; ++a) held.whole[box][1 + a] += part * centre[a];
                 });
         }
-    MPI_Allreduce(MPI_IN_PLACE, content.data(), int(content.size()), MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    MPI_Allreduce(MPI_IN_PLACE, held.whole.data(), int(4 * held.whole.size()), MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    return held;
+}
 
+/// The boxes over which a box about a point is spread, each with its part of that box; parts of mesh add up to one, or
+/// there is none.
+std::vector<std::pair<label, scalar>> boxesAbout(const point& x, const Lattice& lattice, const Contents& held)
+{
+    Slot low;
+    vector upper; // part that is in the higher box along each axis
+    for (int a = 0; a < 3; ++a)
+    {
+        const scalar at = std::clamp(lattice.boxes(a, x[a]) - 0.5, 0.0, lattice.count[a] - 1.0);
+        low[a] = min(int(at), max(0, lattice.count[a] - 2));
+        upper[a] = at - low[a];
+    }
+    std::vector<std::pair<label, scalar>> boxes;
+    scalar found = 0;
+    for (int n = 0; n < 8; ++n)
+    {
+        Slot s;
+        scalar part = 1;
+        for (int a = 0; a < 3; ++a)
+        {
+            const int up = n >> a & 1;
+            s[a] = min(low[a] + up, lattice.count[a] - 1);
+            part *= up ? upper[a] : 1 - upper[a];
+        }
+        boxes.emplace_back(lattice.number(s), part);
+        found += part * held.whole[boxes.back().first][0];
+    }
+    if (found < 0.05) return {}; // no mesh there
+    for (auto& box : boxes) box.second /= found;
+    return boxes;
+}
+
+/// What the cells of this rank take of each box's mass: what they hold of it, and what is mirrored to them.
+std::vector<LatticeCells::Share> sharesOf(const fvMesh& mesh, const Lattice& lattice, const Contents& held,
+                                          scalar reach)
+{
     std::vector<LatticeCells::Share> shares;
     const auto share = [&](label box, label from, scalar part)
     {
-        const auto cells = held.find(from);
-        if (cells == held.end()) return;
+        const auto cells = held.cells.find(from);
+        if (cells == held.cells.end()) return;
         for (const auto& [cell, piece] : cells->second) shares.push_back({box, cell, part * piece});
     };
     const triSurface surface = boundary(mesh);
     const triSurfaceSearch search(surface);
-    Slot s;
-    for (s[2] = 0; s[2] < lattice.count[2]; ++s[2])
-        for (s[1] = 0; s[1] < lattice.count[1]; ++s[1])
-            for (s[0] = 0; s[0] < lattice.count[0]; ++s[0])
-            {
-                const label box = lattice.number(s);
-                const double* sum = &content[std::size_t(box) * 4];
-                const scalar beyond = 1 - sum[0];
-                share(box, box, beyond < 0 ? 1 / sum[0] : 1);
-                if (beyond < 1e-9) continue;
-                // mirrored at the wall the rest is a box across up to eight others
-                point out = (lattice.centre(s) - vector(sum[1], sum[2], sum[3])) / beyond;
-                for (int a = 0; a < 3; ++a)
-                    out[a] = std::clamp(out[a], lattice.face(a, s[a]), lattice.face(a, s[a] + 1));
-                const pointIndexHit wall = search.nearest(out, vector::uniform(2 * reach + cmptMax(lattice.spacing)));
-                if (!wall.hit()) continue;
-                const point mirrored = 2 * wall.hitPoint() - out;
-                Slot low;
-                vector upper; // part that is in the higher box along each axis
-                for (int a = 0; a < 3; ++a)
-                {
-                    const scalar at = std::clamp(lattice.boxes(a, mirrored[a]) - 0.5, 0.0, lattice.count[a] - 1.0);
-                    low[a] = min(int(at), max(0, lattice.count[a] - 2));
-                    upper[a] = at - low[a];
-                }
-                std::array<label, 8> boxes;
-                std::array<scalar, 8> parts;
-                scalar found = 0;
-                for (int n = 0; n < 8; ++n)
-                {
-                    Slot t;
-                    parts[n] = 1;
-                    for (int a = 0; a < 3; ++a)
-                    {
-                        const int up = n >> a & 1;
-                        t[a] = min(low[a] + up, lattice.count[a] - 1);
-                        parts[n] *= up ? upper[a] : 1 - upper[a];
-                    }
-                    boxes[n] = lattice.number(t);
-                    found += parts[n] * content[std::size_t(boxes[n]) * 4];
-                }
-                if (found < 0.05) continue; // no mesh there
-                for (int n = 0; n < 8; ++n) share(box, boxes[n], beyond * parts[n] / found);
-            }
+    const vector span = vector::uniform(2 * reach + cmptMax(lattice.spacing));
+    for (label box = 0; box < label(held.whole.size()); ++box)
+    {
+        const auto& [part, x, y, z] = held.whole[box];
+        const scalar beyond = 1 - part;
+        share(box, box, beyond < 0 ? 1 / part : 1);
+        if (beyond < 1e-9) continue;
+        const Slot s = lattice.slot(box);
+        point out = (lattice.centre(s) - vector(x, y, z)) / beyond; // centre of what is not mesh
+        for (int a = 0; a < 3; ++a) out[a] = std::clamp(out[a], lattice.face(a, s[a]), lattice.face(a, s[a] + 1));
+        const pointIndexHit wall = search.nearest(out, span);
+        if (!wall.hit()) continue;
+        for (const auto& [other, piece] : boxesAbout(2 * wall.hitPoint() - out, lattice, held))
+            share(box, other, beyond * piece);
+    }
+    return shares;
+}
+
+} // namespace
+
+std::unique_ptr<const Cells> latticeOver(const fvMesh& mesh, int perCell, double reach)
+{
+    const Lattice lattice = makeLattice(mesh, perCell, reach);
+    const Contents held = cutCells(mesh, lattice);
+    std::vector<LatticeCells::Share> shares = sharesOf(mesh, lattice, held, reach);
+    if (shares.empty()) return std::make_unique<BoxCells>(std::vector<Box>(), Box{});
 
     // the part of the lattice that has shares here
     Slot first = lattice.count, last{{-1, -1, -1}};
-    const auto slotOf = [&](label box)
-    {
-        return Slot{{box % lattice.count[0], box / lattice.count[0] % lattice.count[1],
-                     box / lattice.count[0] / lattice.count[1]}};
-    };
     for (const auto& e : shares)
-    {
-        const Slot at = slotOf(e.box);
         for (int a = 0; a < 3; ++a)
         {
-            first[a] = min(first[a], at[a]);
-            last[a] = max(last[a], at[a]);
+            first[a] = min(first[a], lattice.slot(e.box)[a]);
+            last[a] = max(last[a], lattice.slot(e.box)[a]);
         }
-    }
-    if (shares.empty()) return std::make_unique<BoxCells>(std::vector<Box>(), Box{});
     std::array<std::vector<double>, 3> face;
+    Slot count;
     for (int a = 0; a < 3; ++a)
+    {
+        count[a] = last[a] - first[a] + 1;
         for (int i = first[a]; i <= last[a] + 1; ++i) face[a].push_back(lattice.face(a, i));
+    }
     const auto number = [&](label box)
     {
-        const Slot at = slotOf(box);
-        return ((at[2] - first[2]) * int(face[1].size() - 1) + at[1] - first[1]) * int(face[0].size() - 1) + at[0] -
-               first[0];
+        const Slot s = lattice.slot(box);
+        return ((s[2] - first[2]) * count[1] + s[1] - first[1]) * count[0] + s[0] - first[0];
     };
-    std::vector<char> inside((face[0].size() - 1) * (face[1].size() - 1) * (face[2].size() - 1), 0);
-    for (const auto& cells : held) inside[number(cells.first)] = 1;
+    std::vector<char> inside(std::size_t(count[0]) * count[1] * count[2], 0);
+    for (const auto& cells : held.cells) inside[number(cells.first)] = 1;
     for (auto& e : shares) e.box = number(e.box);
     return std::make_unique<LatticeCells>(int(mesh.nCells()), face, std::move(shares), std::move(inside));
 }
