@@ -1,7 +1,7 @@
 #include "coupling.hpp"
 
+#include "cell_lattice.hpp"
 #include "closures.hpp"
-#include "meshSearch.H"
 
 #include <cmath>
 
@@ -59,22 +59,11 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
             }
         return std::make_unique<BoxCells>(boxes, domain);
     }
-    sampled_ = true;
-    Info << "Mapping: cells of any shape, kernel sampled at " << settings.kernelSamples << "^3 points" << nl;
-    Box bounds;
-    if (mesh_.nCells())
-    {
-        const boundBox mine(mesh_.points(), false);
-        for (int a = 0; a < 3; ++a)
-        {
-            bounds.low[a] = mine.min()[a];
-            bounds.high[a] = mine.max()[a];
-        }
-    }
-    auto search = std::make_shared<meshSearch>(mesh_);
-    return std::make_unique<SampledCells>(
-        int(mesh_.nCells()), bounds,
-        [search](const Point& x) { return int(search->findCell(point(x[0], x[1], x[2]))); }, settings.kernelSamples);
+    Info << "Mapping: cells of any shape, through a lattice of about " << settings.kernelSamples << "^3 boxes a cell"
+         << nl;
+    return latticeOver(
+        mesh_, settings.kernelSamples,
+        0.5 * (settings.windowLength > 0 ? settings.windowLength : settings.kernelWidth * 2.0 * dem_.largestRadius()));
 }
 
 void Coupling::refuseOutside() const
@@ -135,18 +124,9 @@ void Coupling::map()
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
     {
-        scalar smallest = GREAT; // extent of a cell
-        for (const vector& half : halfExtent_) smallest = min(smallest, 2 * cmptMin(half));
-        reduce(smallest, minOp<scalar>());
-        const int samples = int(std::ceil(2 * 2 * widest_ / smallest)); // two in the smallest cell
-        FatalErrorInFunction << "the voidage of a cell is " << least << ": the particles overlap too much, or ";
-        if (sampled_ && settings_.kernelSamples < samples)
-            FatalError << "the kernel has too few samples for the cells (set kernelSamples in "
-                       << "constant/couplingProperties to " << samples << ", it is " << settings_.kernelSamples << ')';
-        else
-            FatalError << "the kernel is too narrow for the cells (set a larger kernelWidth in "
-                       << "constant/couplingProperties)";
-        FatalError << exit(FatalError);
+        FatalErrorInFunction << "the voidage of a cell is " << least << ": the particles overlap too much, or "
+                             << "the kernel is too narrow for the cells (set a larger kernelWidth in "
+                             << "constant/couplingProperties)" << exit(FatalError);
     }
     voidage.correctBoundaryConditions();
     mapped_ = true;

@@ -76,7 +76,6 @@ private:
     const bool push_;
     const int dragFields_;         ///< values of drag_ by particle; without push_ the first one is enough
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
-    bool sampled_ = false;         ///< the kernel is sampled, not integrated
     Mapping mapping_;
     bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh

@@ -74,7 +74,8 @@ void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
     const scalar maxCo = control.lookupOrDefault<scalar>("maxCo", 1);
     const scalar maxDeltaT = control.lookupOrDefault<scalar>("maxDeltaT", GREAT);
     const scalar now = runTime.deltaTValue();
-    const scalar wanted = min(min(now * maxCo / max(Courant, SMALL), 1.2 * now), maxDeltaT);
+    const scalar growth = max(1.2 * now, now + dem.timestep()); // few DEM steps: one more at least
+    const scalar wanted = min(min(now * maxCo / max(Courant, SMALL), growth), maxDeltaT);
     long steps = std::max(std::lround(std::floor(wanted / dem.timestep() * (1 + 1e-9))), 1L);
 
     scalar next = runTime.endTime().value();

@@ -106,9 +106,34 @@ def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
         place(case, name)
     shutil.copytree(case, run, ignore=shutil.ignore_patterns("README*", "plot.py", "log*", "processor*"))
     change_case(run, changes)
-    tool(run, "blockMesh")
+    mesh(run)
     if ranks > 1:
         decompose(run, ranks)
+
+
+def mesh(run):
+    """The gas mesh, by blockMesh where the case has a blockMeshDict, else the one in constant/polyMesh; and the surfaces
+    constant/triSurface/PATCH.stl that the DEM script reads and the case does not bring, from the patches of that name.
+
+    Raises CaseError where there is no mesh, or neither surface nor patch.
+    """
+    if (run / "system/blockMeshDict").is_file():
+        tool(run, "blockMesh")
+    elif not any(run.glob("constant/polyMesh/points*")):
+        raise CaseError(f"{run} has no mesh: put a blockMeshDict into system, or the mesh itself into constant/polyMesh")
+    properties = run / "constant/couplingProperties"
+    script = run / read_settings(properties).get("demScript", "").strip('"')
+    if not script.is_file():
+        return  # the solver says so
+    for name in re.findall(r"(?m)^[^#\n]*\sconstant/triSurface/(\w+)\.stl\b", script.read_text()):
+        surface = run / f"constant/triSurface/{name}.stl"
+        if not surface.is_file():
+            patches = re.findall(r"(?m)^\s*(\w+)\s*\{", (run / "constant/polyMesh/boundary").read_text().split("}", 1)[1])
+            if name not in patches:
+                raise CaseError(f"{script} reads {surface}, which is not there: bring that surface, or name it after the patch "
+                                f"of the mesh that it is to be written from ({', '.join(patches)})")
+            surface.parent.mkdir(exist_ok=True)
+            tool(run, "surfaceMeshExtract", "-patches", f"({name})", f"constant/triSurface/{name}.stl")
 
 
 def resume(run, changes=None, ranks=1):

@@ -93,8 +93,8 @@ CouplingSettings::CouplingSettings(const Time& runTime)
     if (dict.found("kernelSamples"))
     {
         kernelSamples = dict.get<label>("kernelSamples");
-        if (kernelSamples < 1 || kernelSamples > 64)
-            FatalIOErrorInFunction(dict) << "kernelSamples must be from 1 to 64, not " << kernelSamples
+        if (kernelSamples < 1 || kernelSamples > 16)
+            FatalIOErrorInFunction(dict) << "kernelSamples must be from 1 to 16, not " << kernelSamples
                                          << exit(FatalIOError);
     }
     bedInterval = dict.lookupOrDefault<label>("bedInterval", 10);

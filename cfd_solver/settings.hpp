@@ -27,7 +27,7 @@ struct CouplingSettings
     bool heatTransfer = true;        ///< Gunn, or none
     Foam::scalar kernelWidth = 3;    ///< full window over the coarse diameter; 0 where windowLength is given
     Foam::scalar windowLength = 0;   ///< full window [m], the same for every particle; 0 where kernelWidth is given
-    int kernelSamples = 6;           ///< per axis, on meshes that are not made of boxes
+    int kernelSamples = 2;           ///< lattice boxes a cell, per axis, on meshes that are not made of boxes
     int bedInterval = 10;            ///< gas steps between lines of bed.csv
     bool writeRestart = true;        ///< at every write time
     bool linearExchange = true;      ///< heat exact for a gas temperature linear in time; else h A (T_gas' - T)

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+#include <tuple>
 
 namespace hotbed
 {
@@ -35,6 +36,17 @@ int nearest(const std::vector<double>& face, double x)
     if (above == face.begin()) return 0;
     if (above == face.end() || x - *(above - 1) < *above - x) return int(above - face.begin()) - 1;
     return int(above - face.begin());
+}
+
+std::vector<Box> boxesBetween(const std::array<std::vector<double>, 3>& face)
+{
+    std::vector<Box> boxes;
+    for (std::size_t k = 1; k < face[2].size(); ++k)
+        for (std::size_t j = 1; j < face[1].size(); ++j)
+            for (std::size_t i = 1; i < face[0].size(); ++i)
+                boxes.push_back(
+                    {{{face[0][i - 1], face[1][j - 1], face[2][k - 1]}}, {{face[0][i], face[1][j], face[2][k]}}});
+    return boxes;
 }
 
 } // namespace
@@ -221,100 +233,85 @@ double BoxCells::axisMasses(int a, double x, double halfWidth, int first, int co
     return std::accumulate(mass, mass + count, 0.0);
 }
 
-SampledCells::SampledCells(int size, const Box& bounds, Locate locate, int samplesPerAxis)
-    : size_(size), bounds_(bounds), locate_(std::move(locate)), node_(samplesPerAxis)
+LatticeCells::LatticeCells(int size, const std::array<std::vector<double>, 3>& face, std::vector<Share> shares,
+                           std::vector<char> inside)
+    : size_(size), face_(face), boxes_(boxesBetween(face), Box{}), inside_(std::move(inside)),
+      shares_(std::move(shares))
 {
-    // the middle (in mass) of samplesPerAxis strips of equal mass, by bisection of the kernel's integral
-    for (int s = 0; s < samplesPerAxis; ++s)
-    {
-        const double target = (s + 0.5) / samplesPerAxis;
-        double low = -1.0, high = 1.0;
-        for (int halving = 0; halving < 60; ++halving)
-        {
-            const double middle = 0.5 * (low + high);
-            (deenMassBelow(middle) < target ? low : high) = middle;
-        }
-        node_[s] = 0.5 * (low + high);
-    }
+    // in the order of the boxes, so that the loops go through memory once; one for each box and cell
+    std::sort(shares_.begin(), shares_.end(),
+              [](const Share& a, const Share& b) { return std::tie(a.box, a.cell) < std::tie(b.box, b.cell); });
+    std::size_t last = 0;
+    for (std::size_t s = 1; s < shares_.size(); ++s)
+        if (shares_[s].box == shares_[last].box && shares_[s].cell == shares_[last].cell)
+            shares_[last].part += shares_[s].part;
+        else
+            shares_[++last] = shares_[s];
+    shares_.resize(std::min(shares_.size(), last + 1));
 }
 
-class SampledCells::List : public Weights
+bool LatticeCells::contains(const Point& x) const
+{
+    if (boxes_.size() == 0) return false;
+    std::size_t box = 0, stride = 1;
+    for (int a = 0; a < 3; ++a)
+    {
+        const std::vector<double>& face = face_[a];
+        if (!(x[a] >= face.front() && x[a] <= face.back())) return false;
+        const auto above = std::upper_bound(face.begin() + 1, face.end() - 1, x[a]);
+        box += std::size_t(above - face.begin() - 1) * stride;
+        stride *= face.size() - 1;
+    }
+    return inside_[box];
+}
+
+class LatticeCells::Spread : public Weights
 {
 public:
-    explicit List(const SampledCells& cells) : cells_(cells) {}
+    explicit Spread(const LatticeCells& cells) : cells_(cells), onBoxes_(cells.boxes_.weights()) {}
 
     void assign(int count, const double (*particles)[4], double (*found)[2]) override
     {
-        start_.assign(1, 0);
-        cell_.clear();
-        weight_.clear();
+        onBoxes_->assign(count, particles, found);
+        const std::vector<double> ones(std::size_t(cells_.size_), 1.0);
+        std::vector<double> mass(count);
+        interpolate(1, ones.data(), mass.data());
         for (int n = 0; n < count; ++n)
         {
-            append(particles[n], particles[n][3]);
-            found[n][0] = std::accumulate(weight_.begin() + start_[n], weight_.end(), 0.0);
+            found[n][0] = mass[n];
             found[n][1] = cells_.contains({{particles[n][0], particles[n][1], particles[n][2]}}) ? 1.0 : 0.0;
         }
     }
 
-    void scale(const double* factor) override
-    {
-        for (std::size_t k = 0; k + 1 < start_.size(); ++k)
-            for (auto e = start_[k]; e < start_[k + 1]; ++e) weight_[e] *= factor[k];
-    }
+    void scale(const double* factor) override { onBoxes_->scale(factor); }
 
     void interpolate(int fields, const double* cells, double* particles) const override
     {
-        for (std::size_t k = 0; k + 1 < start_.size(); ++k, particles += fields)
-        {
-            std::fill_n(particles, fields, 0.0);
-            for (auto e = start_[k]; e < start_[k + 1]; ++e)
-                for (int f = 0; f < fields; ++f)
-                    particles[f] += weight_[e] * cells[std::size_t(cell_[e]) * std::size_t(fields) + f];
-        }
+        boxValues_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
+        for (const Share& s : cells_.shares_)
+            for (int f = 0; f < fields; ++f)
+                boxValues_[std::size_t(s.box) * fields + f] += s.part * cells[std::size_t(s.cell) * fields + f];
+        onBoxes_->interpolate(fields, boxValues_.data(), particles);
     }
 
     void deposit(int fields, const double* particles, double* cells) const override
     {
-        for (std::size_t k = 0; k + 1 < start_.size(); ++k, particles += fields)
-            for (auto e = start_[k]; e < start_[k + 1]; ++e)
-                for (int f = 0; f < fields; ++f)
-                    cells[std::size_t(cell_[e]) * std::size_t(fields) + f] += weight_[e] * particles[f];
+        boxValues_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
+        onBoxes_->deposit(fields, particles, boxValues_.data());
+        for (const Share& s : cells_.shares_)
+            for (int f = 0; f < fields; ++f)
+                cells[std::size_t(s.cell) * fields + f] += s.part * boxValues_[std::size_t(s.box) * fields + f];
     }
 
 private:
-    void append(const double* x, double halfWidth)
-    {
-        const auto& node = cells_.node_;
-        const double share = 1.0 / (double(node.size()) * double(node.size()) * double(node.size()));
-        const auto begin = std::ptrdiff_t(cell_.size());
-        for (const double nz : node)
-            for (const double ny : node)
-                for (const double nx : node)
-                {
-                    const int cell =
-                        cells_.locate_({{x[0] + nx * halfWidth, x[1] + ny * halfWidth, x[2] + nz * halfWidth}});
-                    if (cell < 0) continue;
-                    const auto known = std::find(cell_.begin() + begin, cell_.end(), cell);
-                    if (known != cell_.end())
-                        weight_[std::size_t(known - cell_.begin())] += share;
-                    else
-                    {
-                        cell_.push_back(cell);
-                        weight_.push_back(share);
-                    }
-                }
-        start_.push_back(std::int64_t(cell_.size()));
-    }
-
-    const SampledCells& cells_;
-    std::vector<std::int64_t> start_{0}; ///< entries of particle k: start_[k] to start_[k + 1]
-    std::vector<int> cell_;
-    std::vector<double> weight_;
+    const LatticeCells& cells_;
+    std::unique_ptr<Weights> onBoxes_;
+    mutable std::vector<double> boxValues_; ///< [boxes][fields], what is on its way
 };
 
-std::unique_ptr<Weights> SampledCells::weights() const
+std::unique_ptr<Weights> LatticeCells::weights() const
 {
-    return std::make_unique<List>(*this);
+    return std::make_unique<Spread>(*this);
 }
 
 } // namespace hotbed

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -99,30 +98,42 @@ private:
     bool full_ = false;       ///< every slot has a cell
 };
 
-/// Cells of any shape: the kernel is sampled at points of equal mass, each located in a cell.
-class SampledCells : public Cells
+/// Cells of any shape, through a lattice of equal boxes laid over them: kernel masses are exact on the boxes, and each
+/// box hands its mass on to cells in fixed shares. The finer the lattice, the nearer to the masses on the cells.
+class LatticeCells : public Cells
 {
 public:
-    using Locate = std::function<int(const Point&)>; ///< cell of this rank that holds a point, -1 for none
+    /// The part of a box's mass that a cell takes.
+    struct Share
+    {
+        int box, cell;
+        double part;
+    };
 
-    /// @param size            cells of this rank
-    /// @param bounds          box around them
-    /// @param locate          point location
-    /// @param samplesPerAxis  points along one axis; the error falls with it
-    SampledCells(int size, const Box& bounds, Locate locate, int samplesPerAxis);
+    /// @param size    cells of this rank
+    /// @param face    ascending coordinates of the lattice planes, by axis; box (i, j, k) is number (k ny + j) nx + i
+    /// @param shares  of the cells of this rank; over all ranks the parts of a box add up to one, or less where mass
+    ///                beyond the walls is to be left out
+    /// @param inside  by box: whether it holds a piece of a cell of this rank
+    LatticeCells(int size, const std::array<std::vector<double>, 3>& face, std::vector<Share> shares,
+                 std::vector<char> inside);
 
     int size() const override { return size_; }
-    Box bounds() const override { return bounds_; }
-    bool contains(const Point& x) const override { return locate_(x) >= 0; }
+    Box bounds() const override { return boxes_.bounds(); }
+
+    /// Whether a point lies in a box that holds a piece of a cell: beside a wall it may be up to a box beyond it, which
+    /// is where a particle on a wall that is drawn more finely than the cells' has a right to be.
+    bool contains(const Point& x) const override;
     std::unique_ptr<Weights> weights() const override;
 
 private:
-    class List;
+    class Spread;
 
     int size_;
-    Box bounds_;
-    Locate locate_;
-    std::vector<double> node_; ///< sample positions over the half width
+    std::array<std::vector<double>, 3> face_;
+    BoxCells boxes_;
+    std::vector<char> inside_;
+    std::vector<Share> shares_;
 };
 
 } // namespace hotbed

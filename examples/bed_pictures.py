@@ -38,7 +38,14 @@ class Run:
         self.folder = Path(folder)
         self.setting = read_settings(self.folder / "settings")
         self.l, self.u0 = float(self.setting["l"]), float(self.setting["u0"])
-        self.width, self.depth, self.height = (float(self.setting[n]) for n in ("width", "depth", "height"))
+        self.height = float(self.setting["height"])
+        if "radius" in self.setting:  # a cylinder about the z axis; that of the gas is a prism
+            radius, sides = float(self.setting["radius"]), 4 * int(self.setting["cellsCore"])
+            self.low, self.width, self.middle = -radius, 2 * radius, 0.0
+            self.area = sides / 2 * np.sin(2 * np.pi / sides) * radius**2
+        else:
+            self.low, self.width, depth = 0.0, float(self.setting["width"]), float(self.setting["depth"])
+            self.middle, self.area = depth / 2, self.width * depth
         self.bed = results.bed(self.folder)
         step = float(self.setting["deltaTDEM"])
         self.dumps = {round(int(p.stem[9:]) * step, 9): p for p in self.folder.glob("DEM/post/particles*.txt")}
@@ -51,11 +58,13 @@ class Run:
 
     def weight(self):
         """Weight of the particles over the cross-section [Pa]."""
-        density = float(self.setting.get("density") or re.search(r"(?m)^fix\s+\S+\s+all\s+hotbed/coarsegrain.*density\s+(\S+)",
-                                                                 (self.folder / "DEM/in.bed").read_text())[1])
+        script = dict(zip(("diameter", "density"), re.search(
+            r"(?m)^fix\s+\S+\s+all\s+hotbed/coarsegrain.*diameter\s+(\S+)\s+density\s+(\S+)",
+            (self.folder / "DEM/in.bed").read_text()).groups()))
+        diameter, density = (float(self.setting.get(name, script[name])) for name in script)
         g = re.search(r"value\s*\(([^)]*)\)", (self.folder / "constant/g").read_text())[1]
-        return (float(self.setting["solids"]) * density * np.linalg.norm([float(x) for x in g.split()])
-                / (self.width * self.depth))
+        solids = self.bed["particles"][0] * np.pi / 6 * (self.l * diameter)**3
+        return solids * density * np.linalg.norm([float(x) for x in g.split()]) / self.area
 
 
 def times_to_show(runs, count):
@@ -90,7 +99,7 @@ def configurations(runs, times, quantity):
     for run, row in zip(runs, axes):
         for axis, time in zip(row, times):
             p = run.particles(time)
-            away = np.abs(p["y"] - run.depth / 2)
+            away = np.abs(p["y"] - run.middle)
             near = np.flatnonzero(away < 2 * p["radius"])
             near = near[np.argsort(-away[near])]  # the nearest on top
             size = 2e3 * p["radius"][near]
@@ -98,7 +107,7 @@ def configurations(runs, times, quantity):
                 size, size, np.zeros(len(near)), units="xy", array=p[column][near], cmap=colours, clim=limits,
                 offsets=1e3 * np.c_[p["x"], p["z"]][near], offset_transform=axis.transData, linewidths=0))
             axis.set_aspect("equal")
-            axis.set_xlim(0, 1e3 * run.width)
+            axis.set_xlim(1e3 * run.low, 1e3 * (run.low + run.width))
             axis.set_ylim(0, 1e3 * top)
             axis.set_title(f"{time:g} s", fontsize=10)
     for axis in axes[-1]:

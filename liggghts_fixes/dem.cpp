@@ -193,6 +193,13 @@ const double* Dem::radius() const
     return instance_->lmp->atom->radius;
 }
 
+double Dem::largestRadius() const
+{
+    double largest, smallest;
+    instance_->lmp->modify->max_min_rad(largest, smallest);
+    return largest;
+}
+
 const double* Dem::mass() const
 {
     return instance_->lmp->atom->rmass;

@@ -43,6 +43,7 @@ public:
     const double (*position() const)[3]; ///< [m]
     const double (*velocity() const)[3]; ///< [m/s]
     const double* radius() const;        ///< of the coarse particle [m]
+    double largestRadius() const;        ///< on any rank, also of particles that are still to be inserted [m]
     const double* mass() const;          ///< of the coarse particle [kg]
     const int* tag() const;              ///< LIGGGHTS' particle ids
 

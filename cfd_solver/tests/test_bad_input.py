@@ -24,7 +24,7 @@ CASES = {
     "width is a word": (PROPERTIES, r"kernelWidth.*", "kernelWidth wide;", ["kernelWidth", NAME]),
     "two widths": (PROPERTIES, r"(kernelWidth.*)", r"\1\nwindowLength 1e-3;", ["kernelWidth and windowLength", NAME]),
     "negative window": (PROPERTIES, r"kernelWidth.*", "windowLength -1;", ["windowLength must be a number > 0", NAME]),
-    "no samples": (PROPERTIES, r"(kernelWidth.*)", r"\1\nkernelSamples 0;", ["kernelSamples must be from 1 to 64", NAME]),
+    "no samples": (PROPERTIES, r"(kernelWidth.*)", r"\1\nkernelSamples 0;", ["kernelSamples must be from 1 to 16", NAME]),
     "no interval": (PROPERTIES, r"^bedInterval.*", "bedInterval 0;", ["bedInterval must be a whole number", NAME]),
     "unknown exchange": (PROPERTIES, r"(kernelWidth.*)", r"\1\nexchange explicit;", ["unknown exchange 'explicit'", "implicit", NAME]),
     "gradient neither on nor off": (PROPERTIES, r"(kernelWidth.*)", r"\1\ntemperatureGradient maybe;", ["temperatureGradient"]),

@@ -1,5 +1,6 @@
 #include "cells.hpp"
 #include "deen_kernel.hpp"
+#include "lattice.hpp"
 
 #include <gtest/gtest.h>
 
@@ -156,38 +157,46 @@ TEST(BoxCells, RankWithoutCells)
     EXPECT_GT(none.bounds().low[0], none.bounds().high[0]);
 }
 
-TEST(SampledCells, ConvergesToTheExactIntegrals)
+TEST(LatticeCells, ConvergesToTheExactIntegrals)
 {
-    const BoxCells exact(grid(faces(6, 0, 1, 1), faces(6, 0, 1, 1), faces(6, 0, 1, 1)), Box{});
-    const auto locate = [](const Point& x)
-    {
-        for (const double v : x)
-            if (v < 0 || v > 1) return -1;
-        const auto i = [](double v) { return std::min(5, int(v * 6)); };
-        return (i(x[2]) * 6 + i(x[1])) * 6 + i(x[0]);
-    };
+    const auto boxes = grid(faces(6, 0, 1, 1), faces(6, 0, 1, 1), faces(6, 0, 1, 1));
     const Point at{{0.47, 0.52, 0.38}};
-    const auto reference = masses(exact, at, 0.25);
-    double before = 2.0; // no overlap at all
-    for (const int samples : {4, 16, 64})
+    const auto reference = masses(BoxCells(boxes, Box{}), at, 0.25);
+    const auto error = [&](int n)
     {
-        const auto mass = masses(SampledCells(216, unit, locate, samples), at, 0.25);
-        double error = 0.0;
-        for (const auto& [c, m] : reference) error += std::abs(m - (mass.count(c) ? mass.at(c) : 0.0));
-        EXPECT_LT(error, 0.5 * before) << samples;
-        EXPECT_NEAR(sum(mass), 1.0, 1e-12);
-        before = error;
+        const auto mass = masses(*throughLattice(boxes, {{n, n, n}}), at, 0.25);
+        EXPECT_NEAR(sum(mass), 1.0, 1e-13);
+        double difference = 0.0;
+        for (const auto& [c, m] : reference) difference += std::abs(m - (mass.count(c) ? mass.at(c) : 0.0));
+        return difference;
+    };
+    EXPECT_LT(error(12), 1e-13) << "planes of the lattice on all faces of the cells";
+    double before = error(5);
+    for (const int n : {11, 23, 47}) // none of them on the faces between cells
+    {
+        const double now = error(n);
+        EXPECT_LT(now, 0.5 * before) << n;
+        before = now;
     }
-    EXPECT_LT(before, 0.03);
+    EXPECT_LT(before, 0.01);
+}
+
+TEST(LatticeCells, ContainsTheBoxesThatHoldAPieceOfACell)
+{
+    const auto cells = throughLattice({{{{0, 0, 0}}, {{0.55, 1, 1}}}}, {{10, 10, 10}});
+    EXPECT_TRUE(cells->contains({{0.5, 0.5, 0.5}}));
+    EXPECT_TRUE(cells->contains({{0.599, 0, 1}}));
+    EXPECT_FALSE(cells->contains({{0.601, 0.5, 0.5}}));
+    EXPECT_FALSE(cells->contains({{0.5, -1e-9, 0.5}}));
+    EXPECT_FALSE(cells->contains({{0.5, 0.5, std::nan("")}}));
 }
 
 TEST(Weights, SeveralFieldsAtATimeGiveWhatOneDoes)
 {
     const auto face = faces(6, 0, 1, 1);
     const BoxCells boxes(grid(face, face, face), unit);
-    const SampledCells sampled(
-        8, unit, [](const Point& x) { return (x[0] > 0.5) + 2 * (x[1] > 0.5) + 4 * (x[2] > 0.5); }, 4);
-    for (const Cells* cells : {static_cast<const Cells*>(&boxes), static_cast<const Cells*>(&sampled)})
+    const auto lattice = throughLattice(grid(face, face, faces(3, 0, 1, 1.6)), {{7, 5, 4}});
+    for (const Cells* cells : {static_cast<const Cells*>(&boxes), static_cast<const Cells*>(lattice.get())})
     {
         const auto weights = cells->weights();
         constexpr std::size_t n = 3;

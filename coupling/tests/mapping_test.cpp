@@ -1,5 +1,6 @@
 // Run on 1, 2 and 4 ranks. The gas is split in four ways, the particles in another one.
 
+#include "lattice.hpp"
 #include "mapping.hpp"
 
 #include <gtest/gtest.h>
@@ -109,16 +110,24 @@ std::vector<double> cellField(const Mesh& m)
 
 } // namespace
 
-class MappingOnRanks : public ::testing::TestWithParam<int>
+/// the split, and whether the weights are exact on the boxes or go through a lattice
+class MappingOnRanks : public ::testing::TestWithParam<std::tuple<int, bool>>
 {
 };
 
+std::unique_ptr<const Cells> cellsOf(const Mesh& m, bool lattice)
+{
+    if (lattice) return throughLattice(m.boxes, {{13, 11, 8}});
+    return std::make_unique<BoxCells>(m.boxes, unit);
+}
+
 TEST_P(MappingOnRanks, WeightsSumToOneAndValuesAreThoseOfOneRank)
 {
-    const Mesh mine = mesh(GetParam(), false), whole = mesh(GetParam(), true);
+    const auto [split, lattice] = GetParam();
+    const Mesh mine = mesh(split, false), whole = mesh(split, true);
     const Particles p = particles(false), all = particles(true);
-    Mapping parallel(MPI_COMM_WORLD, std::make_unique<BoxCells>(mine.boxes, unit));
-    Mapping serial(MPI_COMM_SELF, std::make_unique<BoxCells>(whole.boxes, unit));
+    Mapping parallel(MPI_COMM_WORLD, cellsOf(mine, lattice));
+    Mapping serial(MPI_COMM_SELF, cellsOf(whole, lattice));
     for (const char inside : parallel.update(p.view())) EXPECT_TRUE(inside);
     serial.update(all.view());
 
@@ -142,7 +151,7 @@ TEST_P(MappingOnRanks, WeightsSumToOneAndValuesAreThoseOfOneRank)
     for (std::size_t c = 0; c < sum.size(); ++c) EXPECT_NEAR(sum[c], allSum[std::size_t(mine.global[c])], 1e-11);
 }
 
-INSTANTIATE_TEST_SUITE_P(Splits, MappingOnRanks, ::testing::Values(0, 1, 2, 3));
+INSTANTIATE_TEST_SUITE_P(Splits, MappingOnRanks, ::testing::Combine(::testing::Range(0, 4), ::testing::Bool()));
 
 TEST(Mapping, ParticlesOutsideTheMeshAreFound)
 {
