@@ -1,6 +1,5 @@
 #include "cells.hpp"
 
-#include "box_weights.hpp"
 #include "deen_kernel.hpp"
 
 #include <algorithm>
@@ -39,7 +38,7 @@ int nearest(const std::vector<double>& face, double x)
 
 } // namespace
 
-BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(int(boxes.size())), domain_(domain)
+BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(int(boxes.size()))
 {
     if (boxes.empty()) return;
     for (int a = 0; a < 3; ++a)
@@ -52,12 +51,14 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
             all.push_back(b.high[a]);
             smallest = std::min(smallest, b.high[a] - b.low[a]);
         }
-        Axis& axis = axis_[a];
+        BoxAxis& axis = axis_[a];
         axis.face = distinct(std::move(all), 1e-6 * smallest);
         nSlots_[a] = int(axis.face.size()) - 1;
         axis.origin = axis.face.front();
         const double spacing = (axis.face.back() - axis.face.front()) / nSlots_[a];
         axis.inverseSpacing = 1.0 / spacing;
+        axis.folded = !empty(domain);
+        axis.wall = {domain.low[a], domain.high[a]};
         axis.uniform = true;
         for (int i = 0; i <= nSlots_[a]; ++i)
             axis.uniform = axis.uniform && std::abs(axis.face[i] - axis.origin - i * spacing) < 1e-6 * spacing;
@@ -94,31 +95,12 @@ Box BoxCells::bounds() const
     return box;
 }
 
-int BoxCells::Axis::interval(double x) const
-{
-    const int last = int(face.size()) - 2;
-    if (uniform)
-    {
-        int i = int(std::clamp((x - origin) * inverseSpacing, 0.0, double(last)));
-        // the quotient is rounded; the faces decide
-        if (i > 0 && x < face[i]) --i;
-        if (i < last && x >= face[i + 1]) ++i;
-        return i;
-    }
-    const int above = int(std::upper_bound(face.begin(), face.end(), x) - face.begin());
-    return std::clamp(above - 1, 0, last);
-}
-
 bool BoxCells::contains(const Point& x) const
 {
     if (nCells_ == 0) return false;
-    std::array<int, 3> i;
     for (int a = 0; a < 3; ++a)
-    {
         if (!(x[a] >= axis_[a].face.front() && x[a] <= axis_[a].face.back())) return false;
-        i[a] = axis_[a].interval(x[a]);
-    }
-    return cellOf_[slot(i[0], i[1], i[2])] >= 0;
+    return full_ || cellOf_[slot(axis_[0].interval(x[0]), axis_[1].interval(x[1]), axis_[2].interval(x[2]))] >= 0;
 }
 
 class BoxCells::Products : public Weights
@@ -133,30 +115,17 @@ public:
 
     void assign(int count, const double (*particles)[4], double (*found)[2]) override
     {
-        weights_.particle.assign(std::size_t(count), BoxWeights::Particle());
-        std::size_t end = 0;
+        if (cells_.nCells_ == 0)
+        {
+            weights_.particle.assign(std::size_t(count), BoxWeights::Particle());
+            std::fill_n(&found[0][0], 2 * count, 0.0);
+            return;
+        }
+        weights_.assign(cells_.axis_, count, particles, found);
         for (int n = 0; n < count; ++n)
         {
             const double* x = particles[n];
-            const double halfWidth = x[3];
-            found[n][0] = found[n][1] = 0.0;
-            std::array<int, 3> first, cells;
-            if (!cells_.reach(0, x[0], halfWidth, first[0], cells[0]) ||
-                !cells_.reach(1, x[1], halfWidth, first[1], cells[1]) ||
-                !cells_.reach(2, x[2], halfWidth, first[2], cells[2]))
-                continue;
-            const std::size_t needed = end + std::size_t(cells[0] + cells[1] + cells[2]);
-            if (weights_.row.size() < needed) weights_.row.resize(2 * needed);
-            double* row = &weights_.row[end];
-            double mass = 1.0;
-            for (int a = 0; a < 3; row += cells[a++])
-                mass *= cells_.axisMasses(a, x[a], halfWidth, first[a], cells[a], row);
-            BoxWeights::Particle& p = weights_.particle[n];
-            p.row = std::int64_t(end);
-            p.count = cells;
-            p.slot = cells_.slot(first[0], first[1], first[2]);
-            end = needed;
-            found[n][0] = cells_.full_ ? mass : weights_.mass(p);
+            if (!cells_.full_) found[n][0] = weights_.mass(weights_.particle[std::size_t(n)]);
             found[n][1] = cells_.contains({{x[0], x[1], x[2]}}) ? 1.0 : 0.0;
         }
     }
@@ -171,14 +140,16 @@ public:
         }
     }
 
-    void interpolate(int fields, const double* cells, double* particles) const override
+    int size() const override { return int(weights_.particle.size()); }
+
+    void interpolate(int fields, int first, int count, const double* cells, double* particles) const override
     {
-        hotbed::interpolate(fields, weights_, cells, particles);
+        hotbed::interpolate(fields, weights_, first, count, cells, particles);
     }
 
-    void deposit(int fields, const double* particles, double* cells) const override
+    void deposit(int fields, int first, int count, const double* particles, double* cells) const override
     {
-        hotbed::deposit(fields, weights_, particles, cells);
+        hotbed::deposit(fields, weights_, first, count, particles, cells);
     }
 
 private:
@@ -189,36 +160,6 @@ private:
 std::unique_ptr<Weights> BoxCells::weights() const
 {
     return std::make_unique<Products>(*this);
-}
-
-bool BoxCells::reach(int a, double x, double halfWidth, int& first, int& count) const
-{
-    const Axis& axis = axis_[a];
-    if (nCells_ == 0 || x + halfWidth <= axis.face.front() || x - halfWidth >= axis.face.back()) return false;
-    first = axis.interval(x - halfWidth);
-    count = axis.interval(x + halfWidth) - first + 1;
-    return true;
-}
-
-double BoxCells::axisMasses(int a, double x, double halfWidth, int first, int count, double* mass) const
-{
-    const double inverse = 1.0 / halfWidth;
-    const double* face = &axis_[a].face[first];
-    double below = deenMassBelow((face[0] - x) * inverse);
-    for (int i = 0; i < count; ++i)
-    {
-        const double above = deenMassBelow((face[i + 1] - x) * inverse);
-        mass[i] = above - below;
-        below = above;
-    }
-    for (const double wall : {domain_.low[a], domain_.high[a]})
-    {
-        if (empty(domain_) || std::abs(x - wall) >= halfWidth) continue;
-        const double image = 2.0 * wall - x; // the mirrored kernel reaches back into the domain
-        for (int i = 0; i < count; ++i)
-            mass[i] += deenMassBelow((face[i + 1] - image) * inverse) - deenMassBelow((face[i] - image) * inverse);
-    }
-    return std::accumulate(mass, mass + count, 0.0);
 }
 
 SampledCells::SampledCells(int size, const Box& bounds, Locate locate, int samplesPerAxis)
@@ -262,9 +203,11 @@ public:
             for (auto e = start_[k]; e < start_[k + 1]; ++e) weight_[e] *= factor[k];
     }
 
-    void interpolate(int fields, const double* cells, double* particles) const override
+    int size() const override { return int(start_.size()) - 1; }
+
+    void interpolate(int fields, int first, int count, const double* cells, double* particles) const override
     {
-        for (std::size_t k = 0; k + 1 < start_.size(); ++k, particles += fields)
+        for (auto k = std::size_t(first); k < std::size_t(first + count); ++k, particles += fields)
         {
             std::fill_n(particles, fields, 0.0);
             for (auto e = start_[k]; e < start_[k + 1]; ++e)
@@ -273,9 +216,9 @@ public:
         }
     }
 
-    void deposit(int fields, const double* particles, double* cells) const override
+    void deposit(int fields, int first, int count, const double* particles, double* cells) const override
     {
-        for (std::size_t k = 0; k + 1 < start_.size(); ++k, particles += fields)
+        for (auto k = std::size_t(first); k < std::size_t(first + count); ++k, particles += fields)
             for (auto e = start_[k]; e < start_[k + 1]; ++e)
                 for (int f = 0; f < fields; ++f)
                     cells[std::size_t(cell_[e]) * std::size_t(fields) + f] += weight_[e] * particles[f];

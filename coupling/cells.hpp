@@ -1,5 +1,7 @@
 #pragma once
 
+#include "box_weights.hpp"
+
 #include <array>
 #include <functional>
 #include <memory>
@@ -32,9 +34,22 @@ public:
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(const double* factor) = 0;
 
-    /// See box_weights.hpp: [cells][fields] -> [particles][fields] and back; 1, 2, 4 or 8 fields.
-    virtual void interpolate(int fields, const double* cells, double* particles) const = 0;
-    virtual void deposit(int fields, const double* particles, double* cells) const = 0;
+    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 4, 8 or 16 fields.
+    virtual void interpolate(int fields, int first, int count, const double* cells, double* particles) const = 0;
+    virtual void deposit(int fields, int first, int count, const double* particles, double* cells) const = 0;
+
+    /// The same for all particles.
+    void interpolate(int fields, const double* cells, double* particles) const
+    {
+        interpolate(fields, 0, size(), cells, particles);
+    }
+    void deposit(int fields, const double* particles, double* cells) const
+    {
+        deposit(fields, 0, size(), particles, cells);
+    }
+
+    /// Number of particles.
+    virtual int size() const = 0;
 };
 
 /// The cells of one rank as the mapping sees them.
@@ -74,26 +89,10 @@ public:
 private:
     class Products;
 
-    struct Axis
-    {
-        std::vector<double> face; ///< ascending
-        double origin = 0, inverseSpacing = 0;
-        bool uniform = false;
-
-        /// index of the interval that holds x, clamped to the valid ones
-        int interval(double x) const;
-    };
-
-    /// the lattice intervals of axis a that a kernel reaches; false where none
-    bool reach(int a, double x, double halfWidth, int& first, int& count) const;
-    /// the one-dimensional kernel masses in those intervals; @return their sum
-    double axisMasses(int a, double x, double halfWidth, int first, int count, double* mass) const;
-
     int slot(int i, int j, int k) const { return (k * nSlots_[1] + j) * nSlots_[0] + i; }
 
     int nCells_;
-    Box domain_;
-    std::array<Axis, 3> axis_;
+    std::array<BoxAxis, 3> axis_;
     std::array<int, 3> nSlots_{{0, 0, 0}};
     std::vector<int> cellOf_; ///< lattice slot -> cell, -1 for a slot of another rank or a hole
     bool full_ = false;       ///< every slot has a cell

@@ -6,11 +6,23 @@
 namespace hotbed
 {
 
+namespace
+{
+
+int ranksOf(MPI_Comm communicator)
+{
+    int ranks;
+    MPI_Comm_size(communicator, &ranks);
+    return ranks;
+}
+
+} // namespace
+
 Mapping::Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells)
-    : communicator_(communicator), cells_(std::move(cells)), weights_(cells_->weights())
+    : communicator_(communicator), ranks_(ranksOf(communicator)), cells_(std::move(cells)), weights_(cells_->weights()),
+      direct_(ranks_ == 1)
 {
     MPI_Comm_rank(communicator_, &rank_);
-    MPI_Comm_size(communicator_, &ranks_);
     bounds_.resize(ranks_);
     const Box mine = cells_->bounds();
     MPI_Allgather(&mine, 6, MPI_DOUBLE, bounds_.data(), 6, MPI_DOUBLE, communicator_);
@@ -38,39 +50,40 @@ void Mapping::route(const ParticlePositions& particles)
     }
     MPI_Alltoall(sendCount.data(), 1, MPI_INT, receiveCount.data(), 1, MPI_INT, communicator_);
     std::partial_sum(receiveCount.begin(), receiveCount.end(), receiveStart_.begin() + 1);
-    direct_ = ranks_ == 1 && sendStart_[1] == particles.count;
 }
 
-std::vector<char> Mapping::update(const ParticlePositions& particles)
+const std::vector<char>& Mapping::update(const ParticlePositions& particles)
 {
     particles_ = particles.count;
-    route(particles);
-
-    std::vector<double> home(std::size_t(particles_) * 4);
+    copy_.resize(std::size_t(particles_) * 4);
     for (int i = 0; i < particles_; ++i)
     {
-        std::copy_n(particles.position[i], 3, &home[std::size_t(i) * 4]);
-        home[std::size_t(i) * 4 + 3] = particles.halfWidth[i];
+        std::copy_n(particles.position[i], 3, &copy_[std::size_t(i) * 4]);
+        copy_[std::size_t(i) * 4 + 3] = particles.halfWidth[i];
     }
-    const auto* copy = reinterpret_cast<const double(*)[4]>(toCopies(4, home.data()));
-
-    const int n = receiveStart_[ranks_];
-    copyPosition_.resize(n);
-    for (int k = 0; k < n; ++k) std::copy_n(copy[k], 3, copyPosition_[k].begin());
-    std::vector<double> found(std::size_t(n) * 2); // kernel mass on this rank; cells that hold the centre
-    weights_->assign(n, copy, reinterpret_cast<double(*)[2]>(found.data()));
-
-    const double* total = toHome(2, found.data());
-    std::vector<char> inside(particles_);
-    std::vector<double> scale(particles_);
-    for (int i = 0; i < particles_; ++i)
+    if (!direct_)
     {
-        const double mass = total[std::size_t(i) * 2];
-        inside[i] = total[std::size_t(i) * 2 + 1] > 0.0 && mass > 0.0;
-        scale[i] = inside[i] ? 1.0 / mass : 0.0;
+        route(particles);
+        const double* copies = toCopies(4, copy_.data());
+        copy_.assign(copies, copies + std::size_t(receiveStart_[ranks_]) * 4);
     }
-    weights_->scale(toCopies(1, scale.data()));
-    return inside;
+
+    const int n = int(copy_.size() / 4);
+    found_.resize(std::size_t(n) * 2); // kernel mass on this rank; cells that hold the centre
+    weights_->assign(n, reinterpret_cast<const double(*)[4]>(copy_.data()),
+                     reinterpret_cast<double(*)[2]>(found_.data()));
+
+    const double* total = toHome(2, found_.data());
+    inside_.resize(std::size_t(particles_));
+    scale_.resize(std::size_t(particles_));
+    for (std::size_t i = 0; i < inside_.size(); ++i)
+    {
+        const double mass = total[i * 2];
+        inside_[i] = total[i * 2 + 1] > 0.0 && mass > 0.0;
+        scale_[i] = inside_[i] ? 1.0 / mass : 0.0;
+    }
+    weights_->scale(toCopies(1, scale_.data()));
+    return inside_;
 }
 
 void Mapping::exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
@@ -130,6 +143,29 @@ const double* Mapping::interpolate(int fields, const double* cellValues)
     partial_.resize(std::size_t(copies()) * std::size_t(fields));
     weights_->interpolate(fields, cellValues, partial_.data());
     return toHome(fields, partial_.data());
+}
+
+void Mapping::interpolate(int fields, const double* cellValues, const Use& use)
+{
+    const double* all = direct_ ? nullptr : interpolate(fields, cellValues);
+    partial_.resize(std::max(partial_.size(), std::size_t(block) * fields));
+    for (int first = 0; first < particles_; first += block)
+    {
+        const int count = std::min(block, particles_ - first);
+        if (direct_) weights_->interpolate(fields, first, count, cellValues, partial_.data());
+        use(first, count, direct_ ? partial_.data() : all + std::size_t(first) * fields);
+    }
+}
+
+void Mapping::deposit(int fields, double* cellSums, const Fill& fill)
+{
+    partial_.resize(std::max(partial_.size(), std::size_t(block) * fields));
+    for (int first = 0; first < copies(); first += block)
+    {
+        const int count = std::min(block, copies() - first);
+        fill(first, count, partial_.data());
+        weights_->deposit(fields, first, count, partial_.data(), cellSums);
+    }
 }
 
 } // namespace hotbed
