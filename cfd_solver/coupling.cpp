@@ -195,6 +195,7 @@ void Coupling::particlesToGas()
     }
     const auto time = timing_.measure("to gas");
     const double* given = mapping_.toCopies(givenFields_, given_.data());
+    const double(*position)[3] = mapping_.copyPositions(dem_.position());
     cellSums_.assign(std::size_t(mesh_.nCells()) * sumFields_, 0.0);
     mapping_.deposit(sumFields_, cellSums_.data(),
                      [&](int first, int count, double* sum)
@@ -204,7 +205,7 @@ void Coupling::particlesToGas()
                              const double* give = given + std::size_t(k) * givenFields_;
                              std::copy_n(give, heatAt_, sum);
                              if (!heat_) continue;
-                             const double *heat = give + heatAt_, *x = mapping_.copyPosition(k);
+                             const double *heat = give + heatAt_, *x = position[k];
                              double* heatSum = sum + heatAt_;
                              heatSum[0] = heat[0];
                              heatSum[1] = heat[1];
@@ -220,7 +221,7 @@ void Coupling::particlesToGas()
 void Coupling::closures(int first, int count, const double* gas)
 {
     constexpr int block = Mapping::block;
-    double voidage[block], reynolds[block], prandtl[block], beta[block] = {}, nusselt[block], B[block], conductance[block];
+    alignas(64) double voidage[block], reynolds[block], prandtl[block], beta[block] = {}, nusselt[block], B[block], conductance[block];
     const double l = dem_.ratio();
     const double* radius = dem_.radius() + first;
     const double(*v)[3] = dem_.velocity() + first;

@@ -100,14 +100,13 @@ private:
     double widest_ = 0;                ///< largest halfWidth_ over all ranks [m]
     /// by particle: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay, see heatToGas
     std::vector<double> given_;
-    std::vector<double> heatReceived_; ///< heat received over a step, by particle [J]
     CellValues cellSums_;              ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)
     CellValues cellValues_;            ///< what is read or summed up just now
     std::vector<double> early_;        ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_;
     double heatExchanged_ = 0;
     Foam::vector impulse_ = Foam::Zero, dragReceived_ = Foam::Zero; ///< [N s], [N]
-    double dragExchanged_ = 0, heatSum_ = 0; ///< sum of absolute values [N]; of heatReceived_ [J]
+    double dragExchanged_ = 0, heatReceived_ = 0;                   ///< sum of absolute values [N]; sum [J]
     double mismatch_ = 0;
 };
 

@@ -12,7 +12,7 @@ namespace hotbed
 /// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff. With `exchange implicit` G is h A and X is 0.
 void Coupling::heatOn(int first, int count, const double* conductance)
 {
-    double mc[Mapping::block], b[Mapping::block], gain[Mapping::block], early[Mapping::block] = {};
+    alignas(64) double mc[Mapping::block], b[Mapping::block], gain[Mapping::block], early[Mapping::block] = {};
     const double dt = mesh_.time().deltaTValue(), reference = gas_.exchange().reference;
     const double* T = dem_.temperature() + first;
     for (int k = 0; k < count; ++k)
@@ -92,33 +92,34 @@ void Coupling::heatInCells()
             }
         f[4] = early_[c] * (temperatureBefore_[c] - T[c]);
     }
-    heatReceived_.resize(dem_.size());
-    heatExchanged_ = heatSum_ = 0.0;
+    heatExchanged_ = heatReceived_ = 0.0;
 }
 
 void Coupling::heatToParticles(int first, int count, const double* read)
 {
     const double dt = mesh_.time().deltaTValue();
     const double(*x)[3] = dem_.position();
+    double received[Mapping::block];
     for (int i = first; i < first + count; ++i, read += readFields_)
     {
         const double* r = read + readHeatAt_; // T - grad T . x, grad T, what the early share adds
         const double* given = &given_[std::size_t(i) * givenFields_ + std::size_t(heatAt_)];
         const double gas = r[0] + r[1] * x[i][0] + r[2] * x[i][1] + r[3] * x[i][2];
-        heatReceived_[i] = dt * (given[0] * (gas - given[2]) + given[1] * r[4]);
-        heatSum_ += heatReceived_[i];
-        heatExchanged_ += std::abs(heatReceived_[i]);
+        const double heat = dt * (given[0] * (gas - given[2]) + given[1] * r[4]);
+        received[i - first] = heat;
+        heatReceived_ += heat;
+        heatExchanged_ += std::abs(heat);
     }
+    dem_.receive(first, count, received);
 }
 
 void Coupling::heatMismatch()
 {
-    dem_.receive(heatReceived_.data());
     reduce(heatExchanged_, sumOp<double>());
     const scalarField& T = gas_.exchangeTemperature();
     const Exchange& exchange = gas_.exchange();
     const double dt = mesh_.time().deltaTValue();
-    double mismatch = heatSum_;
+    double mismatch = heatReceived_;
     for (label c = 0; c < mesh_.nCells(); ++c)
         mismatch += dt * (exchange.heatSource[c] - exchange.conductance[c] * (T[c] - exchange.reference));
     reduce(mismatch, sumOp<double>());

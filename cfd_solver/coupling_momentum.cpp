@@ -26,7 +26,7 @@ void Coupling::dragOn(int first, int count, const double* gas, const double* B)
         return;
     }
     constexpr int block = Mapping::block;
-    double voidage[block], gasDensity[block], density[block], b[block], gain[block], early[block];
+    alignas(64) double voidage[block], gasDensity[block], density[block], b[block], gain[block], early[block];
     const double dt = mesh_.time().deltaTValue();
     const double *m = dem_.mass() + first, *radius = dem_.radius() + first;
     for (int k = 0; k < count; ++k)

@@ -16,7 +16,7 @@ constexpr int block = 64; // particles at a time, several in a register, all in 
 /// One axis of a block of particles.
 struct AxisBlock
 {
-    double x[block], halfWidth[block];
+    alignas(64) double x[block], halfWidth[block];
     int first[block], count[block]; ///< lattice intervals that are reached
     double total[block];            ///< kernel mass in them
     std::vector<double> mass;       ///< [intervals][block]
@@ -45,27 +45,23 @@ inline void reach(const BoxAxis& axis, AxisBlock& b)
     }
 }
 
-/// The masses, as differences of `below`, the kernel mass below a face.
-template <class Below> inline void masses(const BoxAxis& axis, AxisBlock& b, int most, Below&& below)
+/// Adds masses, as differences of `below`, the kernel mass below a face.
+template <class Below> inline void addMasses(const BoxAxis& axis, AxisBlock& b, int most, Below&& below)
 {
     const double* face = axis.face.data();
     const int last = int(axis.face.size()) - 1;
     double* mass = b.mass.data();
-    double lower[block];
+    alignas(64) double lower[block];
 #pragma omp simd
-    for (int i = 0; i < block; ++i)
-    {
-        lower[i] = below(i, face[b.first[i]]);
-        b.total[i] = 0.0;
-    }
+    for (int i = 0; i < block; ++i) lower[i] = below(i, face[b.first[i]]);
     for (int k = 1; k <= most; ++k, mass += block)
 #pragma omp simd
         for (int i = 0; i < block; ++i)
         {
             const int next = b.first[i] + k;
             const double upper = below(i, face[next < last ? next : last]);
-            mass[i] = upper - lower[i];
-            b.total[i] += mass[i];
+            mass[i] += upper - lower[i];
+            b.total[i] += upper - lower[i];
             lower[i] = upper;
         }
 }
@@ -73,36 +69,40 @@ template <class Below> inline void masses(const BoxAxis& axis, AxisBlock& b, int
 inline int axisMasses(const BoxAxis& axis, AxisBlock& b)
 {
     reach(axis, b);
-    int most = 0, atWall = 0;
-    double inverse[block];
+    int most = 0, atLowWall = 0, atHighWall = 0;
+    alignas(64) double inverse[block];
     for (int i = 0; i < block; ++i)
     {
         inverse[i] = 1.0 / b.halfWidth[i];
+        b.total[i] = 0.0;
         most = b.count[i] > most ? b.count[i] : most;
-        atWall |= (b.x[i] - axis.wall[0] < b.halfWidth[i]) | (axis.wall[1] - b.x[i] < b.halfWidth[i]);
+        atLowWall |= b.x[i] - b.halfWidth[i] < axis.wall[0];
+        atHighWall |= b.x[i] + b.halfWidth[i] > axis.wall[1];
     }
-    b.mass.resize(std::size_t(most) * block);
-    const auto kernel = [&](int i, double face) { return deenMassBelow((face - b.x[i]) * inverse[i]); };
-    const auto mirrored = [&](int i, double face, double wall) // reaches back into the domain
-    { return deenMassBelow((face + b.x[i] - 2.0 * wall) * inverse[i]); };
-    if (axis.folded && atWall != 0)
-        masses(axis, b, most, [&](int i, double face)
-               { return kernel(i, face) + mirrored(i, face, axis.wall[0]) + mirrored(i, face, axis.wall[1]); });
-    else
-        masses(axis, b, most, kernel);
+    b.mass.assign(std::size_t(most) * block, 0.0);
+    addMasses(axis, b, most, [&](int i, double face) { return deenMassBelow((face - b.x[i]) * inverse[i]); });
+    const auto addMirrored = [&](double wall) // reaches back into the domain
+    {
+        addMasses(axis, b, most,
+                  [&](int i, double face) { return deenMassBelow((face + b.x[i] - 2.0 * wall) * inverse[i]); });
+    };
+    if (axis.folded && atLowWall) addMirrored(axis.wall[0]);
+    if (axis.folded && atHighWall) addMirrored(axis.wall[1]);
     return most;
 }
 
-HOTBED_VECTORISED void assignAll(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4],
+HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4],
                                  BoxWeights& weights, double (*mass)[2])
 {
-    weights.particle.resize(std::size_t(count));
+    const std::size_t before = weights.particle.size();
+    weights.particle.resize(before + std::size_t(count));
     AxisBlock along[3];
-    std::size_t end = 0;
+    std::size_t& end = weights.rowEnd;
     for (int begin = 0; begin < count; begin += block)
     {
         const int n = std::min(block, count - begin);
         std::size_t room = end;
+        int most[3];
         for (int a = 0; a < 3; ++a)
         {
             for (int i = 0; i < block; ++i) // the last block is filled up with its last particle
@@ -111,12 +111,14 @@ HOTBED_VECTORISED void assignAll(const std::array<BoxAxis, 3>& axis, int count, 
                 along[a].x[i] = x[a];
                 along[a].halfWidth[i] = x[3];
             }
-            room += std::size_t(axisMasses(axis[a], along[a])) * block;
+            most[a] = axisMasses(axis[a], along[a]);
+            room += std::size_t(most[a]) * block;
         }
         if (weights.row.size() < room) weights.row.resize(2 * room);
+        double* row = weights.row.data();
         for (int i = 0; i < n; ++i)
         {
-            BoxWeights::Particle& p = weights.particle[std::size_t(begin + i)];
+            BoxWeights::Particle& p = weights.particle[before + std::size_t(begin + i)];
             p.count = {along[0].count[i], along[1].count[i], along[2].count[i]};
             p.slot = along[0].first[i] + along[1].first[i] * weights.nx + along[2].first[i] * weights.nxy;
             p.row = std::int64_t(end);
@@ -126,8 +128,8 @@ HOTBED_VECTORISED void assignAll(const std::array<BoxAxis, 3>& axis, int count, 
                 p.count = {0, 0, 0};
                 mass[begin + i][0] = 0.0;
             }
-            for (int a = 0; a < 3; ++a)
-                for (int k = 0; k < p.count[a]; ++k) weights.row[end++] = along[a].mass[std::size_t(k * block + i)];
+            for (int a = 0; a < 3; end += std::size_t(p.count[a++])) // the same number for all, some are overwritten
+                for (int k = 0; k < most[a]; ++k) row[end + std::size_t(k)] = along[a].mass[std::size_t(k * block + i)];
         }
     }
 }
@@ -220,9 +222,15 @@ int BoxAxis::interval(double x) const
     return std::clamp(above - 1, 0, last);
 }
 
-void BoxWeights::assign(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4], double (*mass)[2])
+void BoxWeights::clear()
 {
-    assignAll(axis, count, particles, *this, mass);
+    particle.clear();
+    rowEnd = 0;
+}
+
+void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4], double (*mass)[2])
+{
+    appendAll(axis, count, particles, *this, mass);
 }
 
 double BoxWeights::mass(const Particle& p) const

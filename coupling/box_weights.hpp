@@ -34,11 +34,14 @@ struct BoxWeights
     int nx = 0, nxy = 0;         ///< slots a row, slots a layer
     std::vector<Particle> particle;
     std::vector<double> row; ///< one-dimensional masses, and room for more
+    std::size_t rowEnd = 0;
 
-    /// New particles: the kernel mass of each on the lattice.
+    void clear();
+
+    /// More particles: the kernel mass of each on the lattice.
     /// @param particles  centre and half the full window of each [m]
     /// @param mass       set: kernel mass on the whole lattice, whether its slots have cells or not
-    void assign(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4], double (*mass)[2]);
+    void append(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4], double (*mass)[2]);
 
     /// Mass of a particle on cells that are there.
     double mass(const Particle& p) const;

@@ -113,30 +113,33 @@ public:
         weights_.nxy = cells.nSlots_[0] * cells.nSlots_[1];
     }
 
-    void assign(int count, const double (*particles)[4], double (*found)[2]) override
+    void clear() override { weights_.clear(); }
+
+    void append(int count, const double (*particles)[4], double (*found)[2]) override
     {
+        const std::size_t first = weights_.particle.size();
         if (cells_.nCells_ == 0)
         {
-            weights_.particle.assign(std::size_t(count), BoxWeights::Particle());
+            weights_.particle.resize(first + std::size_t(count));
             std::fill_n(&found[0][0], 2 * count, 0.0);
             return;
         }
-        weights_.assign(cells_.axis_, count, particles, found);
+        weights_.append(cells_.axis_, count, particles, found);
         for (int n = 0; n < count; ++n)
         {
             const double* x = particles[n];
-            if (!cells_.full_) found[n][0] = weights_.mass(weights_.particle[std::size_t(n)]);
+            if (!cells_.full_) found[n][0] = weights_.mass(weights_.particle[first + std::size_t(n)]);
             found[n][1] = cells_.contains({{x[0], x[1], x[2]}}) ? 1.0 : 0.0;
         }
     }
 
-    void scale(const double* factor) override
+    void scale(int first, int count, const double* factor) override
     {
-        for (const BoxWeights::Particle& p : weights_.particle)
+        for (int n = first; n < first + count; ++n, ++factor)
         {
+            const BoxWeights::Particle& p = weights_.particle[std::size_t(n)];
             double* x = weights_.row.data() + p.row;
             for (int i = 0; i < p.count[0]; ++i) x[i] *= *factor;
-            ++factor;
         }
     }
 
@@ -184,23 +187,28 @@ class SampledCells::List : public Weights
 public:
     explicit List(const SampledCells& cells) : cells_(cells) {}
 
-    void assign(int count, const double (*particles)[4], double (*found)[2]) override
+    void clear() override
     {
         start_.assign(1, 0);
         cell_.clear();
         weight_.clear();
+    }
+
+    void append(int count, const double (*particles)[4], double (*found)[2]) override
+    {
         for (int n = 0; n < count; ++n)
         {
-            append(particles[n], particles[n][3]);
-            found[n][0] = std::accumulate(weight_.begin() + start_[n], weight_.end(), 0.0);
+            const auto begin = start_.back();
+            sample(particles[n], particles[n][3]);
+            found[n][0] = std::accumulate(weight_.begin() + begin, weight_.end(), 0.0);
             found[n][1] = cells_.contains({{particles[n][0], particles[n][1], particles[n][2]}}) ? 1.0 : 0.0;
         }
     }
 
-    void scale(const double* factor) override
+    void scale(int first, int count, const double* factor) override
     {
-        for (std::size_t k = 0; k + 1 < start_.size(); ++k)
-            for (auto e = start_[k]; e < start_[k + 1]; ++e) weight_[e] *= factor[k];
+        for (auto k = std::size_t(first); k < std::size_t(first + count); ++k, ++factor)
+            for (auto e = start_[k]; e < start_[k + 1]; ++e) weight_[e] *= *factor;
     }
 
     int size() const override { return int(start_.size()) - 1; }
@@ -225,7 +233,7 @@ public:
     }
 
 private:
-    void append(const double* x, double halfWidth)
+    void sample(const double* x, double halfWidth)
     {
         const auto& node = cells_.node_;
         const double share = 1.0 / (double(node.size()) * double(node.size()) * double(node.size()));

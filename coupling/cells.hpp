@@ -25,14 +25,24 @@ class Weights
 public:
     virtual ~Weights() = default;
 
-    /// Takes new particles, whose weights are the kernel mass in each cell of this rank.
+    /// Forgets all particles.
+    virtual void clear() = 0;
+
+    /// Takes more particles, whose weights are the kernel mass in each cell of this rank.
     /// @param particles  centre [m] and n, half the full window [m], of each
     /// @param found      set for each: kernel mass on all cells of this rank (what lies outside every rank's cells is
     ///                   missing from 1), and 1 where a cell of this rank holds the centre, else 0
-    virtual void assign(int count, const double (*particles)[4], double (*found)[2]) = 0;
+    virtual void append(int count, const double (*particles)[4], double (*found)[2]) = 0;
+
+    /// The same for new particles in place of those before.
+    void assign(int count, const double (*particles)[4], double (*found)[2])
+    {
+        clear();
+        append(count, particles, found);
+    }
 
     /// Multiplies each particle's weights by a factor of its own.
-    virtual void scale(const double* factor) = 0;
+    virtual void scale(int first, int count, const double* factor) = 0;
 
     /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 4, 8 or 16 fields.
     virtual void interpolate(int fields, int first, int count, const double* cells, double* particles) const = 0;

@@ -55,34 +55,55 @@ void Mapping::route(const ParticlePositions& particles)
 const std::vector<char>& Mapping::update(const ParticlePositions& particles)
 {
     particles_ = particles.count;
-    copy_.resize(std::size_t(particles_) * 4);
-    for (int i = 0; i < particles_; ++i)
+    inside_.resize(std::size_t(particles_));
+    weights_->clear();
+    // centre and half the full window; kernel mass on this rank and cells that hold the centre; factor of the weights
+    std::vector<double> particle, found, scale;
+    const auto pack = [&](int first, int count)
     {
-        std::copy_n(particles.position[i], 3, &copy_[std::size_t(i) * 4]);
-        copy_[std::size_t(i) * 4 + 3] = particles.halfWidth[i];
-    }
+        particle.resize(std::size_t(count) * 4);
+        for (int k = 0; k < count; ++k)
+        {
+            std::copy_n(particles.position[first + k], 3, &particle[std::size_t(k) * 4]);
+            particle[std::size_t(k) * 4 + 3] = particles.halfWidth[first + k];
+        }
+    };
+    const auto append = [&](int count, const double* copies)
+    {
+        found.resize(std::size_t(count) * 2);
+        weights_->append(count, reinterpret_cast<const double(*)[4]>(copies),
+                         reinterpret_cast<double(*)[2]>(found.data()));
+    };
+    const auto normalise = [&](int first, int count, const double* total)
+    {
+        scale.resize(std::size_t(count));
+        for (int k = 0; k < count; ++k)
+        {
+            const double mass = total[2 * k];
+            inside_[std::size_t(first + k)] = total[2 * k + 1] > 0.0 && mass > 0.0;
+            scale[std::size_t(k)] = inside_[std::size_t(first + k)] ? 1.0 / mass : 0.0;
+        }
+    };
     if (!direct_)
     {
         route(particles);
-        const double* copies = toCopies(4, copy_.data());
-        copy_.assign(copies, copies + std::size_t(receiveStart_[ranks_]) * 4);
+        pack(0, particles_);
+        const double* copies = toCopies(4, particle.data());
+        copyPosition_.resize(std::size_t(receiveStart_[ranks_]));
+        for (std::size_t k = 0; k < copyPosition_.size(); ++k) std::copy_n(copies + 4 * k, 3, copyPosition_[k].begin());
+        append(int(copyPosition_.size()), copies);
+        normalise(0, particles_, toHome(2, found.data()));
+        weights_->scale(0, int(copyPosition_.size()), toCopies(1, scale.data()));
+        return inside_;
     }
-
-    const int n = int(copy_.size() / 4);
-    found_.resize(std::size_t(n) * 2); // kernel mass on this rank; cells that hold the centre
-    weights_->assign(n, reinterpret_cast<const double(*)[4]>(copy_.data()),
-                     reinterpret_cast<double(*)[2]>(found_.data()));
-
-    const double* total = toHome(2, found_.data());
-    inside_.resize(std::size_t(particles_));
-    scale_.resize(std::size_t(particles_));
-    for (std::size_t i = 0; i < inside_.size(); ++i)
+    for (int first = 0; first < particles_; first += block)
     {
-        const double mass = total[i * 2];
-        inside_[i] = total[i * 2 + 1] > 0.0 && mass > 0.0;
-        scale_[i] = inside_[i] ? 1.0 / mass : 0.0;
+        const int count = std::min(block, particles_ - first);
+        pack(first, count);
+        append(count, particle.data());
+        normalise(first, count, found.data());
+        weights_->scale(first, count, scale.data());
     }
-    weights_->scale(toCopies(1, scale_.data()));
     return inside_;
 }
 

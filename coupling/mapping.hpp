@@ -44,13 +44,18 @@ public:
 
     int particles() const { return particles_; }             ///< particles of this rank (home)
     int copies() const { return weights_->size(); } ///< particles with weights on this rank
-    const double* copyPosition(int k) const { return &copy_[std::size_t(k) * 4]; }
 
     /// Values of particles to their copies. Collective.
     /// @param fields   values per particle
     /// @param home     [particles()][fields]
     /// @return [copies()][fields]; valid until the next call on this object
     const double* toCopies(int fields, const double* home);
+
+    /// Values of particles that `update` sent already: their positions.
+    const double (*copyPositions(const double (*home)[3]) const)[3]
+    {
+        return direct_ ? home : reinterpret_cast<const double(*)[3]>(copyPosition_.data());
+    }
 
     /// Partial sums of the copies added up at home. Collective.
     /// @param copies   [copies()][fields]
@@ -73,7 +78,7 @@ public:
     }
 
     /// The same two, a block of particles at a time, so that the values of particles need not leave the cache.
-    static constexpr int block = 128;
+    static constexpr int block = 256;
     using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
     using Fill = std::function<void(int first, int count, double* values)>;      ///< sets all values of copies
     void interpolate(int fields, const double* cellValues, const Use& use);
@@ -96,9 +101,9 @@ private:
     const bool direct_;                         ///< one rank: copies are the particles themselves, nothing is packed
     std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank
     std::vector<int> sendStart_, receiveStart_; ///< by rank
-    std::vector<double> copy_; ///< centre and half the full window of each copy [m]
+    std::vector<Point> copyPosition_;           ///< on several ranks
     std::vector<char> inside_;
-    std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_, found_, scale_;
+    std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_;
 };
 
 } // namespace hotbed

@@ -57,7 +57,7 @@ public:
     double* temperature() const;             ///< [K]
     double* nusselt() const;                 ///< [-]
     double heatCapacity(int particle) const; ///< m c [J/K]
-    void receive(const double* heat);        ///< [J] by particle
+    void receive(int first, int count, const double* heat); ///< [J] by particle, from the first of `count` on
 
     /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens.
     void advance(int steps);
