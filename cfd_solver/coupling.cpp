@@ -1,6 +1,7 @@
 #include "coupling.hpp"
 
 #include "closures.hpp"
+#include "vectorised.hpp"
 #include "meshSearch.H"
 
 #include <cmath>
@@ -37,8 +38,9 @@ int padded(int fields)
 Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing)
     : settings_(settings), mesh_(mesh), dem_(dem), gas_(gas), timing_(timing),
       heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), heatAt_(push_ ? 5 : 1),
-      givenFields_(heatAt_ + (heat_ ? 4 : 0)), sumFields_(padded(heatAt_ + (heat_ ? 7 : 0))), readHeatAt_(push_ ? 6 : 0),
-      readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), halfExtent_(mesh.nCells()), mapping_(MPI_COMM_WORLD, makeCells(settings))
+      givenFields_(heatAt_ + (heat_ ? 4 : 0)), sumFields_(padded(heatAt_ + (heat_ ? 7 : 0))),
+      readHeatAt_(push_ ? 6 : 0), readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), halfExtent_(mesh.nCells()),
+      mapping_(MPI_COMM_WORLD, makeCells(settings))
 {
 }
 
@@ -114,10 +116,11 @@ void Coupling::map()
         const int n = dem_.size();
         halfWidth_.resize(n);
         widest_ = 0.0;
+        const double* radius = dem_.radius();
         for (int i = 0; i < n; ++i)
         {
-            halfWidth_[i] = 0.5 * (settings_.windowLength > 0 ? settings_.windowLength
-                                                              : settings_.kernelWidth * 2.0 * dem_.radius()[i]);
+            halfWidth_[i] =
+                0.5 * (settings_.windowLength > 0 ? settings_.windowLength : settings_.kernelWidth * 2.0 * radius[i]);
             widest_ = std::max(widest_, halfWidth_[i]);
         }
         inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
@@ -135,7 +138,9 @@ void Coupling::map()
     cellValues_.assign(mesh_.nCells(), 0.0);
     mapping_.deposit(1, cellValues_.data(),
                      [&](int first, int count, double* volume)
-                     { for (int k = 0; k < count; ++k) volume[k] = sphereVolume(radius[first + k]); });
+                     {
+                         for (int k = 0; k < count; ++k) volume[k] = sphereVolume(radius[first + k]);
+                     });
     volScalarField& voidage = gas_.voidage();
     for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
     const scalar least = gMin(voidage.primitiveField());
@@ -203,7 +208,8 @@ void Coupling::particlesToGas()
                          for (int k = first; k < first + count; ++k, sum += sumFields_)
                          {
                              const double* give = given + std::size_t(k) * givenFields_;
-                             std::copy_n(give, heatAt_, sum);
+                             sum[0] = give[0];
+                             if (push_) std::copy_n(give + 1, 4, sum + 1);
                              if (!heat_) continue;
                              const double *heat = give + heatAt_, *x = position[k];
                              double* heatSum = sum + heatAt_;
@@ -218,36 +224,39 @@ void Coupling::particlesToGas()
     if (heat_) heatToGas();
 }
 
-void Coupling::closures(int first, int count, const double* gas)
+HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* gas)
 {
     constexpr int block = Mapping::block;
-    alignas(64) double voidage[block], reynolds[block], prandtl[block], beta[block] = {}, nusselt[block], B[block], conductance[block];
+    alignas(64) double voidage[block], reynolds[block], prandtl[block], beta[block] = {}, nusselt[block], B[block],
+                                                                        conductance[block];
     const double l = dem_.ratio();
     const double* radius = dem_.radius() + first;
     const double(*v)[3] = dem_.velocity() + first;
     const char* inside = inside_.data() + first;
+    const double original = 2.0 / l; // diameter over the coarse radius
     for (int k = 0; k < count; ++k)
     {
         const double* g = gas + k * gasFields;
-        voidage[k] = prandtl[k] = 1.0; // has left the mesh: any numbers, it exchanges nothing
-        reynolds[k] = 0.0;
-        if (!inside[k]) continue;
+        const double one = inside[k] ? 0.0 : 1.0; // has left the mesh: any numbers, it exchanges nothing
         const double slip[3] = {g[1] - v[k][0], g[2] - v[k][1], g[3] - v[k][2]};
         const double speed = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
-        voidage[k] = g[0];
-        reynolds[k] = g[0] * g[4] * speed * (2.0 * radius[k] / l) / g[5];
-        prandtl[k] = g[5] * g[7] / g[6];
+        voidage[k] = g[0] + one;
+        reynolds[k] = g[0] * g[4] * speed * (original * radius[k]) / (g[5] + one);
+        prandtl[k] = (g[5] * g[7] + one) / (g[6] + one);
     }
     if (settings_.drag) settings_.drag(count, voidage, reynolds, beta);
     for (int k = 0; k < count; ++k)
-        B[k] = inside[k] ? dragCoefficient(beta[k], gas[k * gasFields + 5], voidage[k], 2.0 * radius[k] / l, l) : 0.0;
+    {
+        const double share = inside[k] ? 1.0 : 0.0;
+        B[k] = share * dragCoefficient(beta[k], gas[k * gasFields + 5], voidage[k], original * radius[k], l);
+    }
     dragOn(first, count, gas, B);
     if (!heat_) return;
     gunn(count, voidage, reynolds, prandtl, nusselt);
     for (int k = 0; k < count; ++k)
     {
-        nusselt[k] = inside[k] ? nusselt[k] : 0.0;
-        conductance[k] = heatConductance(nusselt[k], gas[k * gasFields + 6], 2.0 * radius[k] / l, l);
+        nusselt[k] *= inside[k] ? 1.0 : 0.0;
+        conductance[k] = heatConductance(nusselt[k], gas[k * gasFields + 6], original * radius[k], l);
     }
     std::copy_n(nusselt, count, dem_.nusselt() + first);
     heatOn(first, count, conductance);

@@ -70,7 +70,8 @@ private:
     // by cell, before the step of the gas
     void dragToGas();
     void heatToGas();
-    // after it: what the particles read, by cell; blocks of particles, `read` is [count][readFields_]; what is left over
+    // after it: what the particles read, by cell; blocks of particles, `read` is [count][readFields_]; what is left
+    // over
     void momentumInCells();
     void heatInCells();
     void momentumToParticles(int first, int count, const double* read);
@@ -85,24 +86,24 @@ private:
     Timing& timing_;
     const bool heat_;
     const bool push_;
-    const int heatAt_;             ///< where heat begins in given_ and cellSums_; drag comes first
-    const int givenFields_;        ///< values of given_ by particle
-    const int sumFields_;          ///< values of cellSums_ by cell
-    const int readHeatAt_;         ///< where heat begins in what particles read after the gas step; momentum comes first
-    const int readFields_;         ///< values of that by cell
+    const int heatAt_;      ///< where heat begins in given_ and cellSums_; drag comes first
+    const int givenFields_; ///< values of given_ by particle
+    const int sumFields_;   ///< values of cellSums_ by cell
+    const int readHeatAt_;  ///< where heat begins in what particles read after the gas step; momentum comes first
+    const int readFields_;  ///< values of that by cell
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     bool sampled_ = false;         ///< the kernel is sampled, not integrated
     Mapping mapping_;
     bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
-    std::vector<double> halfWidth_;    ///< kernel, by particle [m]
-    double widest_ = 0;                ///< largest halfWidth_ over all ranks [m]
+    std::vector<double> halfWidth_; ///< kernel, by particle [m]
+    double widest_ = 0;             ///< largest halfWidth_ over all ranks [m]
     /// by particle: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay, see heatToGas
     std::vector<double> given_;
-    CellValues cellSums_;              ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)
-    CellValues cellValues_;            ///< what is read or summed up just now
-    std::vector<double> early_;        ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
+    CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)
+    CellValues cellValues_;     ///< what is read or summed up just now
+    std::vector<double> early_; ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_;
     double heatExchanged_ = 0;
     Foam::vector impulse_ = Foam::Zero, dragReceived_ = Foam::Zero; ///< [N s], [N]

@@ -1,6 +1,7 @@
 #include "coupling.hpp"
 
 #include "relaxation.hpp"
+#include "vectorised.hpp"
 
 using namespace Foam;
 
@@ -10,10 +11,10 @@ namespace hotbed
 /// cell c gets  w [G (T_i - T_c') - early_c X (T_c - T_c')]  with G = m c gain / dt, X = m c early / dt. The share
 /// early_c of the first-order term is 1 wherever that keeps the gas bounded and a closed pair from passing its
 /// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff. With `exchange implicit` G is h A and X is 0.
-void Coupling::heatOn(int first, int count, const double* conductance)
+HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const double* conductance)
 {
     alignas(64) double mc[Mapping::block], b[Mapping::block], gain[Mapping::block], early[Mapping::block] = {};
-    const double dt = mesh_.time().deltaTValue(), reference = gas_.exchange().reference;
+    const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt, reference = gas_.exchange().reference;
     const double* T = dem_.temperature() + first;
     for (int k = 0; k < count; ++k)
     {
@@ -24,8 +25,8 @@ void Coupling::heatOn(int first, int count, const double* conductance)
     double* given = &given_[std::size_t(first) * givenFields_ + std::size_t(heatAt_)];
     for (int k = 0; k < count; ++k, given += givenFields_)
     {
-        given[0] = mc[k] * gain[k] / dt;
-        given[1] = mc[k] * early[k] / dt;
+        given[0] = mc[k] * gain[k] * rate;
+        given[1] = mc[k] * early[k] * rate;
         given[2] = T[k] - reference;
         given[3] = 1.0 - gain[k];
     }
@@ -95,11 +96,11 @@ void Coupling::heatInCells()
     heatExchanged_ = heatReceived_ = 0.0;
 }
 
-void Coupling::heatToParticles(int first, int count, const double* read)
+HOTBED_VECTORISED void Coupling::heatToParticles(int first, int count, const double* read)
 {
     const double dt = mesh_.time().deltaTValue();
     const double(*x)[3] = dem_.position();
-    double received[Mapping::block];
+    double received[Mapping::block], sum = 0.0, exchanged = 0.0;
     for (int i = first; i < first + count; ++i, read += readFields_)
     {
         const double* r = read + readHeatAt_; // T - grad T . x, grad T, what the early share adds
@@ -107,9 +108,11 @@ void Coupling::heatToParticles(int first, int count, const double* read)
         const double gas = r[0] + r[1] * x[i][0] + r[2] * x[i][1] + r[3] * x[i][2];
         const double heat = dt * (given[0] * (gas - given[2]) + given[1] * r[4]);
         received[i - first] = heat;
-        heatReceived_ += heat;
-        heatExchanged_ += std::abs(heat);
+        sum += heat;
+        exchanged += std::abs(heat);
     }
+    heatReceived_ += sum;
+    heatExchanged_ += exchanged;
     dem_.receive(first, count, received);
 }
 

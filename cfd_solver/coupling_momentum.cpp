@@ -1,6 +1,7 @@
 #include "coupling.hpp"
 
 #include "relaxation.hpp"
+#include "vectorised.hpp"
 
 #include <cmath>
 
@@ -17,7 +18,7 @@ namespace hotbed
 /// terminal velocity. Both do so whatever `gain` is.
 /// @param gas  voidage, velocity, density, ... at the particles
 /// @param B    [kg/s]; given_ is set: G, c, V held
-void Coupling::dragOn(int first, int count, const double* gas, const double* B)
+HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const double* gas, const double* B)
 {
     double* given = &given_[std::size_t(first) * givenFields_];
     if (!push_)
@@ -26,8 +27,9 @@ void Coupling::dragOn(int first, int count, const double* gas, const double* B)
         return;
     }
     constexpr int block = Mapping::block;
-    alignas(64) double voidage[block], gasDensity[block], density[block], b[block], gain[block], early[block];
-    const double dt = mesh_.time().deltaTValue();
+    alignas(64) double voidage[block], gasDensity[block], density[block], b[block], gain[block], early[block],
+        held[block]; // share of other forces' work that the drag takes in the step
+    const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt;
     const double *m = dem_.mass() + first, *radius = dem_.radius() + first;
     for (int k = 0; k < count; ++k)
     {
@@ -38,28 +40,23 @@ void Coupling::dragOn(int first, int count, const double* gas, const double* B)
     }
     relaxation(count, b, gain, early);
     boundGain(count, voidage, gasDensity, density, b, gain);
+    for (int k = 0; k < count; ++k) held[k] = B[k] > 0.0 ? 1.0 - gain[k] / (B[k] > 0.0 ? b[k] : 1.0) : 0.0;
 
     const double(*v)[3] = dem_.velocity() + first;
     double **lasts = dem_.lastGasStep() + first, **gasForce = dem_.gasForce() + first;
     const double(*force)[3] = dem_.force() + first;
     for (int k = 0; k < count; ++k, given += givenFields_)
     {
-        if (!(B[k] > 0.0))
-        {
-            std::fill_n(given, 5, 0.0);
-            continue;
-        }
-        const double held = 1.0 - gain[k] / b[k]; // share of other forces' work that the drag takes in the step
         const double* last = lasts[k];
-        const double rate = last[6] > 0.0 ? m[k] / last[6] : 0.0;
-        given[0] = m[k] * gain[k] / dt;
+        const double momentum = last[6] > 0.0 ? m[k] / last[6] : 0.0;
+        given[0] = m[k] * gain[k] * rate;
         for (int a = 0; a < 3; ++a)
         {
             const double other =
-                last[6] > 0.0 ? rate * (v[k][a] - last[a]) - last[3 + a] : force[k][a] - gasForce[k][a];
-            given[1 + a] = given[0] * v[k][a] + held * other;
+                last[6] > 0.0 ? momentum * (v[k][a] - last[a]) - last[3 + a] : force[k][a] - gasForce[k][a];
+            given[1 + a] = given[0] * v[k][a] + held[k] * other;
         }
-        given[4] = held * sphereVolume(radius[k]);
+        given[4] = held[k] * sphereVolume(radius[k]);
     }
 }
 
@@ -95,12 +92,14 @@ void Coupling::momentumInCells()
 
 /// Force of the gas, constant over the DEM steps of the gas step: the drag that the gas equation used, with the gas
 /// velocity at the end of its step, and the pressure gradient (eq 16).
-void Coupling::momentumToParticles(int first, int count, const double* read)
+HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const double* read)
 {
     const double dt = mesh_.time().deltaTValue();
     const double* radius = dem_.radius();
     const double(*v)[3] = dem_.velocity();
     double** lasts = dem_.lastGasStep();
+    vector received(Zero), dragReceived(Zero);
+    double exchanged = 0.0;
     for (int i = first; i < first + count; ++i, read += readFields_)
     {
         const double* given = &given_[std::size_t(i) * givenFields_];
@@ -113,13 +112,16 @@ void Coupling::momentumToParticles(int first, int count, const double* read)
             force[a] = drag - volume * read[3 + a];
             last[a] = v[i][a];
             last[3 + a] = force[a];
-            impulse_[a] += dt * force[a];
-            dragReceived_[a] += drag;
-            dragExchanged_ += std::abs(drag);
+            received[a] += force[a];
+            dragReceived[a] += drag;
+            exchanged += std::abs(drag);
         }
         last[6] = dt;
         dem_.setGasForce(i, force);
     }
+    impulse_ += dt * received;
+    dragReceived_ += dragReceived;
+    dragExchanged_ += exchanged;
 }
 
 void Coupling::momentumMismatch()

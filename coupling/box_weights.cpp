@@ -27,7 +27,8 @@ inline void reach(const BoxAxis& axis, AxisBlock& b)
     const double front = axis.face.front(), back = axis.face.back(), last = double(axis.face.size()) - 2;
     const auto interval = [&](double x)
     {
-        const double i = (x - axis.origin) * axis.inverseSpacing; // off by round-off at a face, where nothing is to have
+        const double i =
+            (x - axis.origin) * axis.inverseSpacing; // off by round-off at a face, where nothing is to have
         return int(i > 0 ? (i < last ? i : last) : 0);
     };
 #pragma omp simd

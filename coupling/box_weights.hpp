@@ -10,8 +10,8 @@ namespace hotbed
 /// One axis of a lattice of boxes.
 struct BoxAxis
 {
-    std::vector<double> face;                 ///< ascending
-    double origin = 0, inverseSpacing = 0;    ///< of the faces, where these are uniform
+    std::vector<double> face;              ///< ascending
+    double origin = 0, inverseSpacing = 0; ///< of the faces, where these are uniform
     bool uniform = false, folded = false;
     std::array<double, 2> wall{{0, 0}}; ///< where folded: kernel mass beyond these is mirrored back
 

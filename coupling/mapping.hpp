@@ -42,7 +42,7 @@ public:
 
     const Cells& cells() const { return *cells_; }
 
-    int particles() const { return particles_; }             ///< particles of this rank (home)
+    int particles() const { return particles_; }    ///< particles of this rank (home)
     int copies() const { return weights_->size(); } ///< particles with weights on this rank
 
     /// Values of particles to their copies. Collective.

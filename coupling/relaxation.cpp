@@ -1,4 +1,5 @@
-// the C library has a version of this for whole registers; math.h declares it with more relaxed rules of arithmetic only
+// the C library has a version of this for whole registers; math.h declares it with more relaxed rules of arithmetic
+// only
 #pragma omp declare simd notinbranch
 extern "C" double expm1(double) noexcept;
 

@@ -31,11 +31,11 @@ inline Relaxation relaxation(double stiffness)
 /// @param gain, early  set
 void relaxation(int n, const double* stiffness, double* gain, double* early);
 
-/// Gain of the velocity of n particles, made smaller where gas and particles, which take turns, would excite each other.
-/// The gas sees in which way particles have closed its path only in the next step; between the two a disturbance grows by
-/// 1 - lambda from step to step in a gas that cannot be compressed, lambda being how far a pressure that stops the gas
-/// moves the particles. It is kept at 1.5 at most: in dense beds of particles that follow the gas within a step or are as
-/// light as it is these then answer in a few steps.
+/// Gain of the velocity of n particles, made smaller where gas and particles, which take turns, would excite each
+/// other. The gas sees in which way particles have closed its path only in the next step; between the two a disturbance
+/// grows by 1 - lambda from step to step in a gas that cannot be compressed, lambda being how far a pressure that stops
+/// the gas moves the particles. It is kept at 1.5 at most: in dense beds of particles that follow the gas within a step
+/// or are as light as it is these then answer in a few steps.
 /// @param voidage          gas holdup at the particle, (0, 1]
 /// @param gasDensity       [kg/m3]
 /// @param particleDensity  [kg/m3]

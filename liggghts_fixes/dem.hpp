@@ -54,9 +54,9 @@ public:
     /// step, over the diameter of the smaller particle; 0 where nothing touches or there is no pair_style gran.
     double largestOverlap() const;
 
-    double* temperature() const;             ///< [K]
-    double* nusselt() const;                 ///< [-]
-    double heatCapacity(int particle) const; ///< m c [J/K]
+    double* temperature() const;                            ///< [K]
+    double* nusselt() const;                                ///< [-]
+    double heatCapacity(int particle) const;                ///< m c [J/K]
     void receive(int first, int count, const double* heat); ///< [J] by particle, from the first of `count` on
 
     /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens.
