@@ -2,8 +2,10 @@
 
 #include "cell_lattice.hpp"
 #include "closures.hpp"
+#include "vectorised.hpp"
 
 #include <cmath>
+#include <numeric>
 
 using namespace Foam;
 
@@ -25,14 +27,22 @@ bool cellBox(const fvMesh& mesh, label c, Box& box)
     return mag(volume - mesh.V()[c]) < 1e-9 * volume;
 }
 
-constexpr int gasFields = 8; // voidage, U, rho, mu, kappa, Cp: one cache line a cell
+constexpr double hottest = 1e5; // [K], beyond it something is wrong
+
+/// whole cache lines, where it is more than one value
+int padded(int fields)
+{
+    return fields == 1 ? 1 : fields <= 8 ? 8 : 16;
+}
 
 } // namespace
 
 Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing)
     : settings_(settings), mesh_(mesh), dem_(dem), gas_(gas), timing_(timing),
-      heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), dragFields_(push_ ? 8 : 1),
-      halfExtent_(mesh.nCells()), mapping_(MPI_COMM_WORLD, makeCells(settings))
+      heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), heatAt_(push_ ? 5 : 1),
+      givenFields_(heatAt_ + (heat_ ? 4 : 0)), sumFields_(padded(heatAt_ + (heat_ ? 7 : 0))),
+      readHeatAt_(push_ ? 6 : 0), readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), halfExtent_(mesh.nCells()),
+      mapping_(MPI_COMM_WORLD, makeCells(settings))
 {
 }
 
@@ -97,10 +107,11 @@ void Coupling::map()
         const int n = dem_.size();
         halfWidth_.resize(n);
         widest_ = 0.0;
+        const double* radius = dem_.radius();
         for (int i = 0; i < n; ++i)
         {
-            halfWidth_[i] = 0.5 * (settings_.windowLength > 0 ? settings_.windowLength
-                                                              : settings_.kernelWidth * 2.0 * dem_.radius()[i]);
+            halfWidth_[i] =
+                0.5 * (settings_.windowLength > 0 ? settings_.windowLength : settings_.kernelWidth * 2.0 * radius[i]);
             widest_ = std::max(widest_, halfWidth_[i]);
         }
         inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
@@ -114,11 +125,13 @@ void Coupling::map()
         }
     }
     const auto time = timing_.measure("voidage");
-    const int n = dem_.size();
-    std::vector<double> volume(n);
-    for (int i = 0; i < n; ++i) volume[i] = sphereVolume(dem_.radius()[i]);
+    const double* radius = mapping_.toCopies(1, dem_.radius());
     cellValues_.assign(mesh_.nCells(), 0.0);
-    mapping_.deposit(1, mapping_.toCopies(1, volume.data()), cellValues_.data());
+    mapping_.deposit(1, cellValues_.data(),
+                     [&](int first, int count, double* volume)
+                     {
+                         for (int k = 0; k < count; ++k) volume[k] = sphereVolume(radius[first + k]);
+                     });
     volScalarField& voidage = gas_.voidage();
     for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
     const scalar least = gMin(voidage.primitiveField());
@@ -134,14 +147,6 @@ void Coupling::map()
 
 void Coupling::particlesToGas()
 {
-    closures();
-    if (heat_) heatToGas();
-}
-
-void Coupling::closures()
-{
-    const double* at;
-    const int n = dem_.size();
     {
         const auto time = timing_.measure("gas at particles");
         const scalarField& voidage = gas_.voidage();
@@ -159,66 +164,109 @@ void Coupling::closures()
             f[6] = kappa()[c];
             f[7] = Cp()[c];
         }
-        at = mapping_.interpolate(gasFields, cellValues_.data());
     }
     {
         const auto time = timing_.measure("closures");
-        const double l = dem_.ratio();
-        const double* radius = dem_.radius();
-        double* nusselts = heat_ ? dem_.nusselt() : nullptr;
-        const double(*v)[3] = dem_.velocity();
-        drag_.resize(std::size_t(n) * dragFields_);
-        conductance_.resize(heat_ ? n : 0);
-        std::vector<double>& work = closureWork_;
-        work.assign(std::size_t(n) * 5, 0.0);
-        double *voidage = work.data(), *reynolds = voidage + n, *prandtl = reynolds + n, *beta = prandtl + n,
-               *nusselt = beta + n;
-        for (int i = 0; i < n; ++i)
+        given_.resize(std::size_t(dem_.size()) * givenFields_);
+        if (heat_)
         {
-            const double* g = at + std::size_t(i) * gasFields;
-            if (!inside_[i])
-            {
-                voidage[i] = prandtl[i] = 1.0; // has left the mesh: any numbers, it exchanges nothing
-                continue;
-            }
-            const double slip[3] = {g[1] - v[i][0], g[2] - v[i][1], g[3] - v[i][2]};
-            const double speed = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
-            voidage[i] = g[0];
-            reynolds[i] = g[0] * g[4] * speed * (2.0 * radius[i] / l) / g[5];
-            prandtl[i] = g[5] * g[7] / g[6];
+            // temperatures from a common one on: in a well mixed bed the differences that drive the heat are small
+            const int n = dem_.size();
+            const double* T = dem_.temperature();
+            for (int i = 0; i < n; ++i)
+                if (!(T[i] > 0.0 && T[i] < hottest))
+                    FatalErrorInFunction
+                        << dem_.describe(i).c_str() << " has the temperature " << T[i]
+                        << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "
+                        << "set_property), or the heat capacity or an inlet temperature is impossible. The "
+                        << "restarts written before are whole" << exit(FatalError);
+            double sum[2] = {std::accumulate(T, T + n, 0.0), double(n)};
+            MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+            gas_.exchange().reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
         }
-        if (settings_.drag) settings_.drag(n, voidage, reynolds, beta);
-        if (heat_) gunn(n, voidage, reynolds, prandtl, nusselt);
-        for (int i = 0; i < n; ++i)
-        {
-            const double* g = at + std::size_t(i) * gasFields;
-            const double d = 2.0 * radius[i] / l, inside = inside_[i] ? 1.0 : 0.0;
-            dragOn(i, inside * dragCoefficient(beta[i], g[5], voidage[i], d, l), g,
-                   &drag_[std::size_t(i) * dragFields_]);
-            if (!heat_) continue;
-            nusselts[i] = inside * nusselt[i];
-            conductance_[i] = heatConductance(nusselts[i], g[6], d, l);
-        }
+        mapping_.interpolate(gasFields, cellValues_.data(),
+                             [this](int first, int count, const double* gas) { closures(first, count, gas); });
     }
-    const auto time = timing_.measure("drag to gas");
-    Exchange& exchange = gas_.exchange();
-    cellValues_.assign(std::size_t(mesh_.nCells()) * dragFields_, 0.0);
-    mapping_.deposit(dragFields_, mapping_.toCopies(dragFields_, drag_.data()), cellValues_.data());
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    const auto time = timing_.measure("to gas");
+    const double* given = mapping_.toCopies(givenFields_, given_.data());
+    const double(*position)[3] = mapping_.copyPositions(dem_.position());
+    cellSums_.assign(std::size_t(mesh_.nCells()) * sumFields_, 0.0);
+    mapping_.deposit(sumFields_, cellSums_.data(),
+                     [&](int first, int count, double* sum)
+                     {
+                         for (int k = first; k < first + count; ++k, sum += sumFields_)
+                         {
+                             const double* give = given + std::size_t(k) * givenFields_;
+                             sum[0] = give[0];
+                             if (push_) std::copy_n(give + 1, 4, sum + 1);
+                             if (!heat_) continue;
+                             const double *heat = give + heatAt_, *x = position[k];
+                             double* heatSum = sum + heatAt_;
+                             heatSum[0] = heat[0];
+                             heatSum[1] = heat[1];
+                             heatSum[2] = heat[0] * heat[2];
+                             heatSum[3] = heat[0] * heat[3];
+                             for (int a = 0; a < 3; ++a) heatSum[4 + a] = heat[0] * x[a];
+                         }
+                     });
+    dragToGas();
+    if (heat_) heatToGas();
+}
+
+HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* gas)
+{
+    constexpr int block = Mapping::block;
+    alignas(64) double voidage[block], reynolds[block], prandtl[block], beta[block] = {}, nusselt[block], B[block],
+                                                                        conductance[block];
+    const double l = dem_.ratio();
+    const double* radius = dem_.radius() + first;
+    const double(*v)[3] = dem_.velocity() + first;
+    const char* inside = inside_.data() + first;
+    const double original = 2.0 / l; // diameter over the coarse radius
+    for (int k = 0; k < count; ++k)
     {
-        const double* sum = &cellValues_[std::size_t(c) * dragFields_];
-        exchange.drag[c] = sum[0];
-        if (!push_) continue;
-        for (int a = 0; a < 3; ++a) exchange.dragSource[c][a] = sum[1 + a];
-        exchange.passedOn[c] = sum[4];
+        const double* g = gas + k * gasFields;
+        const double one = inside[k] ? 0.0 : 1.0; // has left the mesh: any numbers, it exchanges nothing
+        const double slip[3] = {g[1] - v[k][0], g[2] - v[k][1], g[3] - v[k][2]};
+        const double speed = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
+        voidage[k] = g[0] + one;
+        reynolds[k] = g[0] * g[4] * speed * (original * radius[k]) / (g[5] + one);
+        prandtl[k] = (g[5] * g[7] + one) / (g[6] + one);
     }
+    if (settings_.drag) settings_.drag(count, voidage, reynolds, beta);
+    for (int k = 0; k < count; ++k)
+    {
+        const double share = inside[k] ? 1.0 : 0.0;
+        B[k] = share * dragCoefficient(beta[k], gas[k * gasFields + 5], voidage[k], original * radius[k], l);
+    }
+    dragOn(first, count, gas, B);
+    if (!heat_) return;
+    gunn(count, voidage, reynolds, prandtl, nusselt);
+    for (int k = 0; k < count; ++k)
+    {
+        nusselt[k] *= inside[k] ? 1.0 : 0.0;
+        conductance[k] = heatConductance(nusselt[k], gas[k * gasFields + 6], original * radius[k], l);
+    }
+    std::copy_n(nusselt, count, dem_.nusselt() + first);
+    heatOn(first, count, conductance);
 }
 
 void Coupling::gasToParticles()
 {
     mismatch_ = 0.0;
-    if (push_) momentumToParticles();
-    if (heat_) heatToParticles();
+    if (!push_ && !heat_) return;
+    const auto time = timing_.measure("to particles");
+    cellValues_.resize(std::size_t(mesh_.nCells()) * readFields_);
+    if (push_) momentumInCells();
+    if (heat_) heatInCells();
+    mapping_.interpolate(readFields_, cellValues_.data(),
+                         [this](int first, int count, const double* read)
+                         {
+                             if (push_) momentumToParticles(first, count, read);
+                             if (heat_) heatToParticles(first, count, read);
+                         });
+    if (push_) momentumMismatch();
+    if (heat_) heatMismatch();
 }
 
 } // namespace hotbed

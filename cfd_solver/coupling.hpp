@@ -18,6 +18,8 @@ inline double sphereVolume(double radius)
     return 4.0 / 3.0 * M_PI * radius * radius * radius;
 }
 
+constexpr int gasFields = 8; ///< voidage, U, rho, mu, kappa, Cp: one cache line a cell
+
 /// A difference over the size of what differs; where that is nothing, the difference itself.
 inline double relative(double difference, double size)
 {
@@ -61,11 +63,21 @@ public:
 
 private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
-    void closures();
-    void dragOn(int particle, double B, const double* gas, double* exchange) const;
+    // blocks of particles; `gas` is what they see of it, [count][gasFields]
+    void closures(int first, int count, const double* gas);
+    void dragOn(int first, int count, const double* gas, const double* B);
+    void heatOn(int first, int count, const double* conductance);
+    // by cell, before the step of the gas
+    void dragToGas();
     void heatToGas();
-    void heatToParticles();
-    void momentumToParticles();
+    // after it: what the particles read, by cell; blocks of particles, `read` is [count][readFields_]; what is left
+    // over
+    void momentumInCells();
+    void heatInCells();
+    void momentumToParticles(int first, int count, const double* read);
+    void heatToParticles(int first, int count, const double* read);
+    void momentumMismatch();
+    void heatMismatch();
 
     const CouplingSettings settings_;
     const Foam::fvMesh& mesh_;
@@ -74,26 +86,27 @@ private:
     Timing& timing_;
     const bool heat_;
     const bool push_;
-    const int dragFields_;         ///< values of drag_ by particle; without push_ the first one is enough
+    const int heatAt_;      ///< where heat begins in given_ and cellSums_; drag comes first
+    const int givenFields_; ///< values of given_ by particle
+    const int sumFields_;   ///< values of cellSums_ by cell
+    const int readHeatAt_;  ///< where heat begins in what particles read after the gas step; momentum comes first
+    const int readFields_;  ///< values of that by cell
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
     bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
-    std::vector<double> halfWidth_;    ///< kernel, by particle [m]
-    double widest_ = 0;                ///< largest halfWidth_ over all ranks [m]
-    std::vector<double> drag_;         ///< by particle: G [kg/s], c [N] (3), V held [m3]; see dragOn
-    std::vector<double> closureWork_;  ///< by particle: voidage, Reynolds, Prandtl number, beta, Nusselt number
-    std::vector<double> heatGiven_;    ///< by particle: G, X, T, decay; see heatToGas
-    std::vector<double> conductance_;  ///< h A, by particle [W/K]
-    std::vector<double> heatReceived_; ///< heat received over a step, by particle [J]
-    std::vector<double> copyHeat_;     ///< by copy: G, X, G T, G decay, G x (3)
-    CellValues cellHeat_;              ///< by cell: the same, summed with the weights
-    CellValues cellValues_;            ///< what is read or summed up just now
-    std::vector<double> early_;        ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
+    std::vector<double> halfWidth_; ///< kernel, by particle [m]
+    double widest_ = 0;             ///< largest halfWidth_ over all ranks [m]
+    /// by particle: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay, see heatToGas
+    std::vector<double> given_;
+    CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)
+    CellValues cellValues_;     ///< what is read or summed up just now
+    std::vector<double> early_; ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_;
     double heatExchanged_ = 0;
-    Foam::vector impulse_ = Foam::Zero;
+    Foam::vector impulse_ = Foam::Zero, dragReceived_ = Foam::Zero; ///< [N s], [N]
+    double dragExchanged_ = 0, heatReceived_ = 0;                   ///< sum of absolute values [N]; sum [J]
     double mismatch_ = 0;
 };
 

@@ -1,29 +1,149 @@
 #include "box_weights.hpp"
 
-#include <stdexcept>
+#include "deen_kernel.hpp"
+#include "vectorised.hpp"
 
-// one version of the loops for each generation of processors, chosen when the program starts
-#define HOTBED_VECTORISED __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"), flatten))
+#include <algorithm>
+#include <stdexcept>
 
 namespace hotbed
 {
 namespace
 {
 
-/// visit(cell, weight) for every cell that a particle reaches
-template <class Visit> inline void forEachCell(const BoxWeights& weights, const BoxWeights::Particle& p, Visit&& visit)
+constexpr int block = 64; // particles at a time, several in a register, all in the first cache
+
+/// One axis of a block of particles.
+struct AxisBlock
+{
+    alignas(64) double x[block], halfWidth[block];
+    int first[block], count[block]; ///< lattice intervals that are reached
+    double total[block];            ///< kernel mass in them
+    std::vector<double> mass;       ///< [intervals][block]
+};
+
+inline void reach(const BoxAxis& axis, AxisBlock& b)
+{
+    const double front = axis.face.front(), back = axis.face.back(), last = double(axis.face.size()) - 2;
+    const auto interval = [&](double x)
+    {
+        const double i =
+            (x - axis.origin) * axis.inverseSpacing; // off by round-off at a face, where nothing is to have
+        return int(i > 0 ? (i < last ? i : last) : 0);
+    };
+#pragma omp simd
+    for (int i = 0; i < block; ++i)
+    {
+        const double low = b.x[i] - b.halfWidth[i], high = b.x[i] + b.halfWidth[i];
+        b.first[i] = interval(low);
+        b.count[i] = (high > front) & (low < back) ? interval(high) - b.first[i] + 1 : 0;
+    }
+    if (axis.uniform) return;
+    for (int i = 0; i < block; ++i)
+    {
+        b.first[i] = axis.interval(b.x[i] - b.halfWidth[i]);
+        if (b.count[i] > 0) b.count[i] = axis.interval(b.x[i] + b.halfWidth[i]) - b.first[i] + 1;
+    }
+}
+
+/// Adds masses, as differences of `below`, the kernel mass below a face.
+template <class Below> inline void addMasses(const BoxAxis& axis, AxisBlock& b, int most, Below&& below)
+{
+    const double* face = axis.face.data();
+    const int last = int(axis.face.size()) - 1;
+    double* mass = b.mass.data();
+    alignas(64) double lower[block];
+#pragma omp simd
+    for (int i = 0; i < block; ++i) lower[i] = below(i, face[b.first[i]]);
+    for (int k = 1; k <= most; ++k, mass += block)
+#pragma omp simd
+        for (int i = 0; i < block; ++i)
+        {
+            const int next = b.first[i] + k;
+            const double upper = below(i, face[next < last ? next : last]);
+            mass[i] += upper - lower[i];
+            b.total[i] += upper - lower[i];
+            lower[i] = upper;
+        }
+}
+
+inline int axisMasses(const BoxAxis& axis, AxisBlock& b)
+{
+    reach(axis, b);
+    int most = 0, atLowWall = 0, atHighWall = 0;
+    alignas(64) double inverse[block];
+    for (int i = 0; i < block; ++i)
+    {
+        inverse[i] = 1.0 / b.halfWidth[i];
+        b.total[i] = 0.0;
+        most = b.count[i] > most ? b.count[i] : most;
+        atLowWall |= b.x[i] - b.halfWidth[i] < axis.wall[0];
+        atHighWall |= b.x[i] + b.halfWidth[i] > axis.wall[1];
+    }
+    b.mass.assign(std::size_t(most) * block, 0.0);
+    addMasses(axis, b, most, [&](int i, double face) { return deenMassBelow((face - b.x[i]) * inverse[i]); });
+    const auto addMirrored = [&](double wall) // reaches back into the domain
+    {
+        addMasses(axis, b, most,
+                  [&](int i, double face) { return deenMassBelow((face + b.x[i] - 2.0 * wall) * inverse[i]); });
+    };
+    if (axis.folded && atLowWall) addMirrored(axis.wall[0]);
+    if (axis.folded && atHighWall) addMirrored(axis.wall[1]);
+    return most;
+}
+
+HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4],
+                                 BoxWeights& weights, double (*mass)[2])
+{
+    const std::size_t before = weights.particle.size();
+    weights.particle.resize(before + std::size_t(count));
+    AxisBlock along[3];
+    std::size_t& end = weights.rowEnd;
+    for (int begin = 0; begin < count; begin += block)
+    {
+        const int n = std::min(block, count - begin);
+        std::size_t room = end;
+        int most[3];
+        for (int a = 0; a < 3; ++a)
+        {
+            for (int i = 0; i < block; ++i) // the last block is filled up with its last particle
+            {
+                const double* x = particles[begin + std::min(i, n - 1)];
+                along[a].x[i] = x[a];
+                along[a].halfWidth[i] = x[3];
+            }
+            most[a] = axisMasses(axis[a], along[a]);
+            room += std::size_t(most[a]) * block;
+        }
+        if (weights.row.size() < room) weights.row.resize(2 * room);
+        double* row = weights.row.data();
+        for (int i = 0; i < n; ++i)
+        {
+            BoxWeights::Particle& p = weights.particle[before + std::size_t(begin + i)];
+            p.count = {along[0].count[i], along[1].count[i], along[2].count[i]};
+            p.slot = along[0].first[i] + along[1].first[i] * weights.nx + along[2].first[i] * weights.nxy;
+            p.row = std::int64_t(end);
+            mass[begin + i][0] = along[0].total[i] * along[1].total[i] * along[2].total[i];
+            if (p.count[0] == 0 || p.count[1] == 0 || p.count[2] == 0)
+            {
+                p.count = {0, 0, 0};
+                mass[begin + i][0] = 0.0;
+            }
+            for (int a = 0; a < 3; end += std::size_t(p.count[a++])) // the same number for all, some are overwritten
+                for (int k = 0; k < most[a]; ++k) row[end + std::size_t(k)] = along[a].mass[std::size_t(k * block + i)];
+        }
+    }
+}
+
+/// visit(row of cells, their number, their weights along x, weight of the row) for every row that a particle reaches
+template <class Visit> inline void forEachRow(const BoxWeights& weights, const BoxWeights::Particle& p, Visit&& visit)
 {
     const double* x = weights.row.data() + p.row;
     const double* y = x + p.count[0];
     const double* z = y + p.count[1];
     for (int k = 0; k < p.count[2]; ++k)
         for (int j = 0; j < p.count[1]; ++j)
-        {
-            const double yz = y[j] * z[k];
-            const int* cell = weights.cellOf + p.slot + j * weights.nx + k * weights.nxy;
-            for (int i = 0; i < p.count[0]; ++i)
-                if (cell[i] >= 0) visit(cell[i], x[i] * yz);
-        }
+            visit(weights.cellOf + p.slot + j * weights.nx + k * weights.nxy, p.count[0], x, y[j] * z[k]);
 }
 
 /// the values of a particle or a cell, as one register where the processor has such
@@ -32,52 +152,120 @@ using Values2 = double __attribute__((vector_size(16), aligned(8), may_alias));
 using Values4 = double __attribute__((vector_size(32), aligned(8), may_alias));
 using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
 
-template <class Values> inline void interpolateFields(const BoxWeights& weights, const double* cells, double* result)
+/// two registers
+struct Values16
 {
-    for (const BoxWeights::Particle& p : weights.particle)
+    Values8 low, high;
+
+    Values16& operator+=(const Values16& other)
+    {
+        low += other.low;
+        high += other.high;
+        return *this;
+    }
+};
+
+inline Values16 operator*(double factor, const Values16& values)
+{
+    return {factor * values.low, factor * values.high};
+}
+
+template <class Values>
+inline void interpolateFields(const BoxWeights& weights, int first, int count, const double* cells, double* result)
+{
+    for (int n = first; n < first + count; ++n)
     {
         Values sum = {};
-        forEachCell(weights, p, [&](int cell, double w) { sum += w * reinterpret_cast<const Values*>(cells)[cell]; });
+        forEachRow(weights, weights.particle[std::size_t(n)],
+                   [&](const int* cell, int length, const double* x, double yz)
+                   {
+                       Values row = {};
+                       for (int i = 0; i < length; ++i)
+                           if (cell[i] >= 0) row += x[i] * reinterpret_cast<const Values*>(cells)[cell[i]];
+                       sum += yz * row;
+                   });
         *reinterpret_cast<Values*>(result) = sum;
         result += sizeof(Values) / sizeof(double);
     }
 }
 
-template <class Values> inline void depositFields(const BoxWeights& weights, const double* particles, double* cells)
+template <class Values>
+inline void depositFields(const BoxWeights& weights, int first, int count, const double* particles, double* cells)
 {
-    for (const BoxWeights::Particle& p : weights.particle)
+    for (int n = first; n < first + count; ++n)
     {
         const Values value = *reinterpret_cast<const Values*>(particles);
-        forEachCell(weights, p, [&](int cell, double w) { reinterpret_cast<Values*>(cells)[cell] += w * value; });
+        forEachRow(weights, weights.particle[std::size_t(n)],
+                   [&](const int* cell, int length, const double* x, double yz)
+                   {
+                       const Values row = yz * value;
+                       for (int i = 0; i < length; ++i)
+                           if (cell[i] >= 0) reinterpret_cast<Values*>(cells)[cell[i]] += x[i] * row;
+                   });
         particles += sizeof(Values) / sizeof(double);
     }
 }
 
 } // namespace
 
+int BoxAxis::interval(double x) const
+{
+    const int last = int(face.size()) - 2;
+    if (uniform)
+    {
+        int i = int(std::clamp((x - origin) * inverseSpacing, 0.0, double(last)));
+        // the quotient is rounded; the faces decide
+        if (i > 0 && x < face[i]) --i;
+        if (i < last && x >= face[i + 1]) ++i;
+        return i;
+    }
+    const int above = int(std::upper_bound(face.begin(), face.end(), x) - face.begin());
+    return std::clamp(above - 1, 0, last);
+}
+
+void BoxWeights::clear()
+{
+    particle.clear();
+    rowEnd = 0;
+}
+
+void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4], double (*mass)[2])
+{
+    appendAll(axis, count, particles, *this, mass);
+}
+
 double BoxWeights::mass(const Particle& p) const
 {
     double sum = 0.0;
-    forEachCell(*this, p, [&](int, double w) { sum += w; });
+    forEachRow(*this, p,
+               [&](const int* cell, int length, const double* x, double yz)
+               {
+                   for (int i = 0; i < length; ++i)
+                       if (cell[i] >= 0) sum += x[i] * yz;
+               });
     return sum;
 }
 
-HOTBED_VECTORISED void interpolate(int fields, const BoxWeights& weights, const double* cells, double* result)
+HOTBED_VECTORISED void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells,
+                                   double* result)
 {
-    if (fields == 1) return interpolateFields<Values1>(weights, cells, result);
-    if (fields == 2) return interpolateFields<Values2>(weights, cells, result);
-    if (fields == 4) return interpolateFields<Values4>(weights, cells, result);
-    if (fields == 8) return interpolateFields<Values8>(weights, cells, result);
-    throw std::invalid_argument("interpolate: 1, 2, 4 or 8 fields at a time");
+    if (fields == 1) return interpolateFields<Values1>(weights, first, count, cells, result);
+    if (fields == 2) return interpolateFields<Values2>(weights, first, count, cells, result);
+    if (fields == 4) return interpolateFields<Values4>(weights, first, count, cells, result);
+    if (fields == 8) return interpolateFields<Values8>(weights, first, count, cells, result);
+    if (fields == 16) return interpolateFields<Values16>(weights, first, count, cells, result);
+    throw std::invalid_argument("interpolate: 1, 2, 4, 8 or 16 fields at a time");
 }
 
-HOTBED_VECTORISED void deposit(int fields, const BoxWeights& weights, const double* particles, double* cells)
+HOTBED_VECTORISED void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles,
+                               double* cells)
 {
-    if (fields == 1) return depositFields<Values1>(weights, particles, cells);
-    if (fields == 2) return depositFields<Values2>(weights, particles, cells);
-    if (fields == 4) return depositFields<Values4>(weights, particles, cells);
-    if (fields == 8) return depositFields<Values8>(weights, particles, cells);
-    throw std::invalid_argument("deposit: 1, 2, 4 or 8 fields at a time");
+    if (fields == 1) return depositFields<Values1>(weights, first, count, particles, cells);
+    if (fields == 2) return depositFields<Values2>(weights, first, count, particles, cells);
+    if (fields == 4) return depositFields<Values4>(weights, first, count, particles, cells);
+    if (fields == 8) return depositFields<Values8>(weights, first, count, particles, cells);
+    if (fields == 16) return depositFields<Values16>(weights, first, count, particles, cells);
+    throw std::invalid_argument("deposit: 1, 2, 4, 8 or 16 fields at a time");
 }
 
 } // namespace hotbed

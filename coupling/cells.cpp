@@ -1,6 +1,5 @@
 #include "cells.hpp"
 
-#include "box_weights.hpp"
 #include "deen_kernel.hpp"
 
 #include <algorithm>
@@ -51,7 +50,7 @@ std::vector<Box> boxesBetween(const std::array<std::vector<double>, 3>& face)
 
 } // namespace
 
-BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(int(boxes.size())), domain_(domain)
+BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(int(boxes.size()))
 {
     if (boxes.empty()) return;
     for (int a = 0; a < 3; ++a)
@@ -64,12 +63,14 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
             all.push_back(b.high[a]);
             smallest = std::min(smallest, b.high[a] - b.low[a]);
         }
-        Axis& axis = axis_[a];
+        BoxAxis& axis = axis_[a];
         axis.face = distinct(std::move(all), 1e-6 * smallest);
         nSlots_[a] = int(axis.face.size()) - 1;
         axis.origin = axis.face.front();
         const double spacing = (axis.face.back() - axis.face.front()) / nSlots_[a];
         axis.inverseSpacing = 1.0 / spacing;
+        axis.folded = !empty(domain);
+        axis.wall = {domain.low[a], domain.high[a]};
         axis.uniform = true;
         for (int i = 0; i <= nSlots_[a]; ++i)
             axis.uniform = axis.uniform && std::abs(axis.face[i] - axis.origin - i * spacing) < 1e-6 * spacing;
@@ -106,31 +107,12 @@ Box BoxCells::bounds() const
     return box;
 }
 
-int BoxCells::Axis::interval(double x) const
-{
-    const int last = int(face.size()) - 2;
-    if (uniform)
-    {
-        int i = int(std::clamp((x - origin) * inverseSpacing, 0.0, double(last)));
-        // the quotient is rounded; the faces decide
-        if (i > 0 && x < face[i]) --i;
-        if (i < last && x >= face[i + 1]) ++i;
-        return i;
-    }
-    const int above = int(std::upper_bound(face.begin(), face.end(), x) - face.begin());
-    return std::clamp(above - 1, 0, last);
-}
-
 bool BoxCells::contains(const Point& x) const
 {
     if (nCells_ == 0) return false;
-    std::array<int, 3> i;
     for (int a = 0; a < 3; ++a)
-    {
         if (!(x[a] >= axis_[a].face.front() && x[a] <= axis_[a].face.back())) return false;
-        i[a] = axis_[a].interval(x[a]);
-    }
-    return cellOf_[slot(i[0], i[1], i[2])] >= 0;
+    return full_ || cellOf_[slot(axis_[0].interval(x[0]), axis_[1].interval(x[1]), axis_[2].interval(x[2]))] >= 0;
 }
 
 class BoxCells::Products : public Weights
@@ -143,54 +125,46 @@ public:
         weights_.nxy = cells.nSlots_[0] * cells.nSlots_[1];
     }
 
-    void assign(int count, const double (*particles)[4], double (*found)[2]) override
+    void clear() override { weights_.clear(); }
+
+    void append(int count, const double (*particles)[4], double (*found)[2]) override
     {
-        weights_.particle.assign(std::size_t(count), BoxWeights::Particle());
-        std::size_t end = 0;
+        const std::size_t first = weights_.particle.size();
+        if (cells_.nCells_ == 0)
+        {
+            weights_.particle.resize(first + std::size_t(count));
+            std::fill_n(&found[0][0], 2 * count, 0.0);
+            return;
+        }
+        weights_.append(cells_.axis_, count, particles, found);
         for (int n = 0; n < count; ++n)
         {
             const double* x = particles[n];
-            const double halfWidth = x[3];
-            found[n][0] = found[n][1] = 0.0;
-            std::array<int, 3> first, cells;
-            if (!cells_.reach(0, x[0], halfWidth, first[0], cells[0]) ||
-                !cells_.reach(1, x[1], halfWidth, first[1], cells[1]) ||
-                !cells_.reach(2, x[2], halfWidth, first[2], cells[2]))
-                continue;
-            const std::size_t needed = end + std::size_t(cells[0] + cells[1] + cells[2]);
-            if (weights_.row.size() < needed) weights_.row.resize(2 * needed);
-            double* row = &weights_.row[end];
-            double mass = 1.0;
-            for (int a = 0; a < 3; row += cells[a++])
-                mass *= cells_.axisMasses(a, x[a], halfWidth, first[a], cells[a], row);
-            BoxWeights::Particle& p = weights_.particle[n];
-            p.row = std::int64_t(end);
-            p.count = cells;
-            p.slot = cells_.slot(first[0], first[1], first[2]);
-            end = needed;
-            found[n][0] = cells_.full_ ? mass : weights_.mass(p);
+            if (!cells_.full_) found[n][0] = weights_.mass(weights_.particle[first + std::size_t(n)]);
             found[n][1] = cells_.contains({{x[0], x[1], x[2]}}) ? 1.0 : 0.0;
         }
     }
 
-    void scale(const double* factor) override
+    void scale(int first, int count, const double* factor) override
     {
-        for (const BoxWeights::Particle& p : weights_.particle)
+        for (int n = first; n < first + count; ++n, ++factor)
         {
+            const BoxWeights::Particle& p = weights_.particle[std::size_t(n)];
             double* x = weights_.row.data() + p.row;
             for (int i = 0; i < p.count[0]; ++i) x[i] *= *factor;
-            ++factor;
         }
     }
 
-    void interpolate(int fields, const double* cells, double* particles) const override
+    int size() const override { return int(weights_.particle.size()); }
+
+    void interpolate(int fields, int first, int count, const double* cells, double* particles) const override
     {
-        hotbed::interpolate(fields, weights_, cells, particles);
+        hotbed::interpolate(fields, weights_, first, count, cells, particles);
     }
 
-    void deposit(int fields, const double* particles, double* cells) const override
+    void deposit(int fields, int first, int count, const double* particles, double* cells) const override
     {
-        hotbed::deposit(fields, weights_, particles, cells);
+        hotbed::deposit(fields, weights_, first, count, particles, cells);
     }
 
 private:
@@ -201,36 +175,6 @@ private:
 std::unique_ptr<Weights> BoxCells::weights() const
 {
     return std::make_unique<Products>(*this);
-}
-
-bool BoxCells::reach(int a, double x, double halfWidth, int& first, int& count) const
-{
-    const Axis& axis = axis_[a];
-    if (nCells_ == 0 || x + halfWidth <= axis.face.front() || x - halfWidth >= axis.face.back()) return false;
-    first = axis.interval(x - halfWidth);
-    count = axis.interval(x + halfWidth) - first + 1;
-    return true;
-}
-
-double BoxCells::axisMasses(int a, double x, double halfWidth, int first, int count, double* mass) const
-{
-    const double inverse = 1.0 / halfWidth;
-    const double* face = &axis_[a].face[first];
-    double below = deenMassBelow((face[0] - x) * inverse);
-    for (int i = 0; i < count; ++i)
-    {
-        const double above = deenMassBelow((face[i + 1] - x) * inverse);
-        mass[i] = above - below;
-        below = above;
-    }
-    for (const double wall : {domain_.low[a], domain_.high[a]})
-    {
-        if (empty(domain_) || std::abs(x - wall) >= halfWidth) continue;
-        const double image = 2.0 * wall - x; // the mirrored kernel reaches back into the domain
-        for (int i = 0; i < count; ++i)
-            mass[i] += deenMassBelow((face[i + 1] - image) * inverse) - deenMassBelow((face[i] - image) * inverse);
-    }
-    return std::accumulate(mass, mass + count, 0.0);
 }
 
 LatticeCells::LatticeCells(int size, const std::array<std::vector<double>, 3>& face, std::vector<Share> shares,
@@ -248,6 +192,8 @@ LatticeCells::LatticeCells(int size, const std::array<std::vector<double>, 3>& f
         else
             shares_[++last] = shares_[s];
     shares_.resize(std::min(shares_.size(), last + 1));
+    covered_.assign(std::size_t(boxes_.size()), 0.0);
+    for (const Share& s : shares_) covered_[std::size_t(s.box)] += s.part;
 }
 
 bool LatticeCells::contains(const Point& x) const
@@ -270,34 +216,52 @@ class LatticeCells::Spread : public Weights
 public:
     explicit Spread(const LatticeCells& cells) : cells_(cells), onBoxes_(cells.boxes_.weights()) {}
 
-    void assign(int count, const double (*particles)[4], double (*found)[2]) override
+    void clear() override { onBoxes_->clear(); }
+
+    void append(int count, const double (*particles)[4], double (*found)[2]) override
     {
-        onBoxes_->assign(count, particles, found);
-        const std::vector<double> ones(std::size_t(cells_.size_), 1.0);
-        std::vector<double> mass(count);
-        interpolate(1, ones.data(), mass.data());
+        const int first = size();
+        onBoxes_->append(count, particles, found);
+        std::vector<double> mass(std::size_t(count));
+        onBoxes_->interpolate(1, first, count, cells_.covered_.data(), mass.data());
         for (int n = 0; n < count; ++n)
         {
-            found[n][0] = mass[n];
+            found[n][0] = mass[std::size_t(n)];
             found[n][1] = cells_.contains({{particles[n][0], particles[n][1], particles[n][2]}}) ? 1.0 : 0.0;
         }
     }
 
-    void scale(const double* factor) override { onBoxes_->scale(factor); }
+    void scale(int first, int count, const double* factor) override { onBoxes_->scale(first, count, factor); }
 
-    void interpolate(int fields, const double* cells, double* particles) const override
+    int size() const override { return onBoxes_->size(); }
+
+    void interpolate(int fields, int first, int count, const double* boxes, double* particles) const override
+    {
+        onBoxes_->interpolate(fields, first, count, boxes, particles);
+    }
+
+    void deposit(int fields, int first, int count, const double* particles, double* boxes) const override
+    {
+        onBoxes_->deposit(fields, first, count, particles, boxes);
+    }
+
+    const double* read(int fields, const double* cells) override
     {
         boxValues_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
         for (const Share& s : cells_.shares_)
             for (int f = 0; f < fields; ++f)
                 boxValues_[std::size_t(s.box) * fields + f] += s.part * cells[std::size_t(s.cell) * fields + f];
-        onBoxes_->interpolate(fields, boxValues_.data(), particles);
+        return boxValues_.data();
     }
 
-    void deposit(int fields, const double* particles, double* cells) const override
+    double* sums(int fields, double*) override
     {
         boxValues_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
-        onBoxes_->deposit(fields, particles, boxValues_.data());
+        return boxValues_.data();
+    }
+
+    void passOn(int fields, double* cells) override
+    {
         for (const Share& s : cells_.shares_)
             for (int f = 0; f < fields; ++f)
                 cells[std::size_t(s.cell) * fields + f] += s.part * boxValues_[std::size_t(s.box) * fields + f];
@@ -306,7 +270,7 @@ public:
 private:
     const LatticeCells& cells_;
     std::unique_ptr<Weights> onBoxes_;
-    mutable std::vector<double> boxValues_; ///< [boxes][fields], what is on its way
+    std::vector<double> boxValues_; ///< [boxes][fields], what is on its way
 };
 
 std::unique_ptr<Weights> LatticeCells::weights() const

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "box_weights.hpp"
+
 #include <array>
 #include <memory>
 #include <vector>
@@ -22,18 +24,47 @@ class Weights
 public:
     virtual ~Weights() = default;
 
-    /// Takes new particles, whose weights are the kernel mass in each cell of this rank.
+    /// Forgets all particles.
+    virtual void clear() = 0;
+
+    /// Takes more particles, whose weights are the kernel mass in each cell of this rank.
     /// @param particles  centre [m] and n, half the full window [m], of each
     /// @param found      set for each: kernel mass on all cells of this rank (what lies outside every rank's cells is
     ///                   missing from 1), and 1 where a cell of this rank holds the centre, else 0
-    virtual void assign(int count, const double (*particles)[4], double (*found)[2]) = 0;
+    virtual void append(int count, const double (*particles)[4], double (*found)[2]) = 0;
+
+    /// The same for new particles in place of those before.
+    void assign(int count, const double (*particles)[4], double (*found)[2])
+    {
+        clear();
+        append(count, particles, found);
+    }
 
     /// Multiplies each particle's weights by a factor of its own.
-    virtual void scale(const double* factor) = 0;
+    virtual void scale(int first, int count, const double* factor) = 0;
 
-    /// See box_weights.hpp: [cells][fields] -> [particles][fields] and back; 1, 2, 4 or 8 fields.
-    virtual void interpolate(int fields, const double* cells, double* particles) const = 0;
-    virtual void deposit(int fields, const double* particles, double* cells) const = 0;
+    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 4, 8 or 16 fields. What they read is
+    /// what `read` makes of the cells' values; what they add to is what `sums` gives, and `passOn` brings it to the
+    /// cells.
+    virtual void interpolate(int fields, int first, int count, const double* read, double* particles) const = 0;
+    virtual void deposit(int fields, int first, int count, const double* particles, double* sums) const = 0;
+    virtual const double* read(int, const double* cells) { return cells; }
+    virtual double* sums(int, double* cells) { return cells; }
+    virtual void passOn(int, double*) {}
+
+    /// The same for all particles: cells' values to particles, particles' values added to the cells.
+    void interpolate(int fields, const double* cells, double* particles)
+    {
+        interpolate(fields, 0, size(), read(fields, cells), particles);
+    }
+    void deposit(int fields, const double* particles, double* cells)
+    {
+        deposit(fields, 0, size(), particles, sums(fields, cells));
+        passOn(fields, cells);
+    }
+
+    /// Number of particles.
+    virtual int size() const = 0;
 };
 
 /// The cells of one rank as the mapping sees them.
@@ -73,26 +104,10 @@ public:
 private:
     class Products;
 
-    struct Axis
-    {
-        std::vector<double> face; ///< ascending
-        double origin = 0, inverseSpacing = 0;
-        bool uniform = false;
-
-        /// index of the interval that holds x, clamped to the valid ones
-        int interval(double x) const;
-    };
-
-    /// the lattice intervals of axis a that a kernel reaches; false where none
-    bool reach(int a, double x, double halfWidth, int& first, int& count) const;
-    /// the one-dimensional kernel masses in those intervals; @return their sum
-    double axisMasses(int a, double x, double halfWidth, int first, int count, double* mass) const;
-
     int slot(int i, int j, int k) const { return (k * nSlots_[1] + j) * nSlots_[0] + i; }
 
     int nCells_;
-    Box domain_;
-    std::array<Axis, 3> axis_;
+    std::array<BoxAxis, 3> axis_;
     std::array<int, 3> nSlots_{{0, 0, 0}};
     std::vector<int> cellOf_; ///< lattice slot -> cell, -1 for a slot of another rank or a hole
     bool full_ = false;       ///< every slot has a cell
@@ -134,6 +149,7 @@ private:
     BoxCells boxes_;
     std::vector<char> inside_;
     std::vector<Share> shares_;
+    std::vector<double> covered_; ///< by box: the part of its mass that cells of this rank take
 };
 
 } // namespace hotbed

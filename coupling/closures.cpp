@@ -7,7 +7,8 @@ extern "C" double exp(double) noexcept;
 #pragma omp declare simd notinbranch
 extern "C" double log(double) noexcept;
 
-#include <cfenv>
+#include "vectorised.hpp"
+
 #include <cmath>
 
 namespace hotbed
@@ -15,9 +16,6 @@ namespace hotbed
 
 namespace
 {
-
-// one version of the loops for each generation of processors, chosen when the program starts
-#define HOTBED_VECTORISED __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"), flatten))
 
 // Powers are exponentials of one logarithm: these are evaluated for every particle in every gas step. No branches, so
 // that several particles fit in a register.
@@ -72,19 +70,6 @@ HOTBED_VECTORISED void gunnOfAll(int n, const double* __restrict voidage, const 
 {
     for (int i = 0; i < n; ++i) nusselt[i] = gunnOf(voidage[i], reynolds[i], prandtl[i]);
 }
-
-/// In whole registers both sides of a choice are evaluated, also log(0): a host that traps that must not see it.
-class NoTraps
-{
-public:
-    NoTraps() { std::feholdexcept(&before_); }
-    ~NoTraps() { std::fesetenv(&before_); }
-    NoTraps(const NoTraps&) = delete;
-    NoTraps& operator=(const NoTraps&) = delete;
-
-private:
-    std::fenv_t before_;
-};
 
 } // namespace
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-
 namespace hotbed
 {
 
@@ -11,7 +9,8 @@ namespace hotbed
 /// @return 0 for x <= -1, 1 for x >= 1
 inline double deenMassBelow(double x)
 {
-    x = std::clamp(x, -1.0, 1.0);
+    x = x > -1.0 ? x : -1.0;
+    x = x < 1.0 ? x : 1.0;
     const double x2 = x * x;
     return 0.5 + 0.9375 * x * (1.0 - x2 * (2.0 / 3.0 - 0.2 * x2));
 }

@@ -6,11 +6,23 @@
 namespace hotbed
 {
 
+namespace
+{
+
+int ranksOf(MPI_Comm communicator)
+{
+    int ranks;
+    MPI_Comm_size(communicator, &ranks);
+    return ranks;
+}
+
+} // namespace
+
 Mapping::Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells)
-    : communicator_(communicator), cells_(std::move(cells)), weights_(cells_->weights())
+    : communicator_(communicator), ranks_(ranksOf(communicator)), cells_(std::move(cells)), weights_(cells_->weights()),
+      direct_(ranks_ == 1)
 {
     MPI_Comm_rank(communicator_, &rank_);
-    MPI_Comm_size(communicator_, &ranks_);
     bounds_.resize(ranks_);
     const Box mine = cells_->bounds();
     MPI_Allgather(&mine, 6, MPI_DOUBLE, bounds_.data(), 6, MPI_DOUBLE, communicator_);
@@ -38,39 +50,61 @@ void Mapping::route(const ParticlePositions& particles)
     }
     MPI_Alltoall(sendCount.data(), 1, MPI_INT, receiveCount.data(), 1, MPI_INT, communicator_);
     std::partial_sum(receiveCount.begin(), receiveCount.end(), receiveStart_.begin() + 1);
-    direct_ = ranks_ == 1 && sendStart_[1] == particles.count;
 }
 
-std::vector<char> Mapping::update(const ParticlePositions& particles)
+const std::vector<char>& Mapping::update(const ParticlePositions& particles)
 {
     particles_ = particles.count;
-    route(particles);
-
-    std::vector<double> home(std::size_t(particles_) * 4);
-    for (int i = 0; i < particles_; ++i)
+    inside_.resize(std::size_t(particles_));
+    weights_->clear();
+    // centre and half the full window; kernel mass on this rank and cells that hold the centre; factor of the weights
+    std::vector<double> particle, found, scale;
+    const auto pack = [&](int first, int count)
     {
-        std::copy_n(particles.position[i], 3, &home[std::size_t(i) * 4]);
-        home[std::size_t(i) * 4 + 3] = particles.halfWidth[i];
-    }
-    const auto* copy = reinterpret_cast<const double(*)[4]>(toCopies(4, home.data()));
-
-    const int n = receiveStart_[ranks_];
-    copyPosition_.resize(n);
-    for (int k = 0; k < n; ++k) std::copy_n(copy[k], 3, copyPosition_[k].begin());
-    std::vector<double> found(std::size_t(n) * 2); // kernel mass on this rank; cells that hold the centre
-    weights_->assign(n, copy, reinterpret_cast<double(*)[2]>(found.data()));
-
-    const double* total = toHome(2, found.data());
-    std::vector<char> inside(particles_);
-    std::vector<double> scale(particles_);
-    for (int i = 0; i < particles_; ++i)
+        particle.resize(std::size_t(count) * 4);
+        for (int k = 0; k < count; ++k)
+        {
+            std::copy_n(particles.position[first + k], 3, &particle[std::size_t(k) * 4]);
+            particle[std::size_t(k) * 4 + 3] = particles.halfWidth[first + k];
+        }
+    };
+    const auto append = [&](int count, const double* copies)
     {
-        const double mass = total[std::size_t(i) * 2];
-        inside[i] = total[std::size_t(i) * 2 + 1] > 0.0 && mass > 0.0;
-        scale[i] = inside[i] ? 1.0 / mass : 0.0;
+        found.resize(std::size_t(count) * 2);
+        weights_->append(count, reinterpret_cast<const double(*)[4]>(copies),
+                         reinterpret_cast<double(*)[2]>(found.data()));
+    };
+    const auto normalise = [&](int first, int count, const double* total)
+    {
+        scale.resize(std::size_t(count));
+        for (int k = 0; k < count; ++k)
+        {
+            const double mass = total[2 * k];
+            inside_[std::size_t(first + k)] = total[2 * k + 1] > 0.0 && mass > 0.0;
+            scale[std::size_t(k)] = inside_[std::size_t(first + k)] ? 1.0 / mass : 0.0;
+        }
+    };
+    if (!direct_)
+    {
+        route(particles);
+        pack(0, particles_);
+        const double* copies = toCopies(4, particle.data());
+        copyPosition_.resize(std::size_t(receiveStart_[ranks_]));
+        for (std::size_t k = 0; k < copyPosition_.size(); ++k) std::copy_n(copies + 4 * k, 3, copyPosition_[k].begin());
+        append(int(copyPosition_.size()), copies);
+        normalise(0, particles_, toHome(2, found.data()));
+        weights_->scale(0, int(copyPosition_.size()), toCopies(1, scale.data()));
+        return inside_;
     }
-    weights_->scale(toCopies(1, scale.data()));
-    return inside;
+    for (int first = 0; first < particles_; first += block)
+    {
+        const int count = std::min(block, particles_ - first);
+        pack(first, count);
+        append(count, particle.data());
+        normalise(first, count, found.data());
+        weights_->scale(first, count, scale.data());
+    }
+    return inside_;
 }
 
 void Mapping::exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
@@ -130,6 +164,32 @@ const double* Mapping::interpolate(int fields, const double* cellValues)
     partial_.resize(std::size_t(copies()) * std::size_t(fields));
     weights_->interpolate(fields, cellValues, partial_.data());
     return toHome(fields, partial_.data());
+}
+
+void Mapping::interpolate(int fields, const double* cellValues, const Use& use)
+{
+    const double* all = direct_ ? nullptr : interpolate(fields, cellValues);
+    partial_.resize(std::max(partial_.size(), std::size_t(block) * fields));
+    const double* read = direct_ ? weights_->read(fields, cellValues) : nullptr;
+    for (int first = 0; first < particles_; first += block)
+    {
+        const int count = std::min(block, particles_ - first);
+        if (direct_) weights_->interpolate(fields, first, count, read, partial_.data());
+        use(first, count, direct_ ? partial_.data() : all + std::size_t(first) * fields);
+    }
+}
+
+void Mapping::deposit(int fields, double* cellSums, const Fill& fill)
+{
+    partial_.resize(std::max(partial_.size(), std::size_t(block) * fields));
+    double* sums = weights_->sums(fields, cellSums);
+    for (int first = 0; first < copies(); first += block)
+    {
+        const int count = std::min(block, copies() - first);
+        fill(first, count, partial_.data());
+        weights_->deposit(fields, first, count, partial_.data(), sums);
+    }
+    weights_->passOn(fields, cellSums);
 }
 
 } // namespace hotbed

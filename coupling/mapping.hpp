@@ -5,6 +5,7 @@
 #include <mpi.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -34,16 +35,15 @@ public:
     /// Weights for new positions. Collective.
     /// @return for each particle of this rank whether its centre lies in the mesh. Particles that lie outside carry
     ///         no weights: nothing is exchanged with them.
-    std::vector<char> update(const ParticlePositions& particles);
+    const std::vector<char>& update(const ParticlePositions& particles);
 
     /// What this rank has sent to others so far.
     std::int64_t bytesSent() const { return bytesSent_; }
 
     const Cells& cells() const { return *cells_; }
 
-    int particles() const { return particles_; }             ///< particles of this rank (home)
-    int copies() const { return int(copyPosition_.size()); } ///< particles with weights on this rank
-    const Point& copyPosition(int k) const { return copyPosition_[k]; }
+    int particles() const { return particles_; }    ///< particles of this rank (home)
+    int copies() const { return weights_->size(); } ///< particles with weights on this rank
 
     /// Values of particles to their copies. Collective.
     /// @param fields   values per particle
@@ -51,25 +51,38 @@ public:
     /// @return [copies()][fields]; valid until the next call on this object
     const double* toCopies(int fields, const double* home);
 
+    /// Values of particles that `update` sent already: their positions.
+    const double (*copyPositions(const double (*home)[3]) const)[3]
+    {
+        return direct_ ? home : reinterpret_cast<const double(*)[3]>(copyPosition_.data());
+    }
+
     /// Partial sums of the copies added up at home. Collective.
     /// @param copies   [copies()][fields]
     /// @return [particles()][fields]; valid until the next call on this object
     const double* toHome(int fields, const double* copies);
 
     /// Weighted mean of cell values at the particles. Collective.
-    /// @param fields      values per cell: 1, 2, 4 or 8
+    /// @param fields      values per cell: 1, 2, 4, 8 or 16
     /// @param cellValues  [cells().size()][fields]
     /// @return [particles()][fields]; valid until the next call on this object
     const double* interpolate(int fields, const double* cellValues);
 
     /// Adds weight times particle value to the cells; local.
-    /// @param fields    values per particle: 1, 2, 4 or 8
+    /// @param fields    values per particle: 1, 2, 4, 8 or 16
     /// @param copies    [copies()][fields]
     /// @param cellSums  [cells().size()][fields], added to
-    void deposit(int fields, const double* copies, double* cellSums) const
+    void deposit(int fields, const double* copies, double* cellSums)
     {
         weights_->deposit(fields, copies, cellSums);
     }
+
+    /// The same two, a block of particles at a time, so that the values of particles need not leave the cache.
+    static constexpr int block = 256;
+    using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
+    using Fill = std::function<void(int first, int count, double* values)>;      ///< sets all values of copies
+    void interpolate(int fields, const double* cellValues, const Use& use);
+    void deposit(int fields, double* cellSums, const Fill& fill);
 
 private:
     void route(const ParticlePositions& particles);
@@ -77,17 +90,19 @@ private:
                   const std::vector<int>& receiveStart);
 
     MPI_Comm communicator_;
-    int rank_ = 0, ranks_ = 1;
+    const int ranks_;
+    int rank_ = 0;
     std::unique_ptr<const Cells> cells_;
     std::unique_ptr<Weights> weights_;
     std::vector<Box> bounds_; ///< of each rank's cells
 
     std::int64_t bytesSent_ = 0;
     int particles_ = 0;
-    bool direct_ = false;                       ///< one rank: copies are the particles themselves, nothing is packed
+    const bool direct_;                         ///< one rank: copies are the particles themselves, nothing is packed
     std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank
     std::vector<int> sendStart_, receiveStart_; ///< by rank
-    std::vector<Point> copyPosition_;
+    std::vector<Point> copyPosition_;           ///< on several ranks
+    std::vector<char> inside_;
     std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_;
 };
 

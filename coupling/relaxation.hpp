@@ -20,14 +20,28 @@ struct Relaxation
 /// @param stiffness step over relaxation time, >= 0 (infinity allowed)
 inline Relaxation relaxation(double stiffness)
 {
-    const double gain = -std::expm1(-stiffness);
+    const double b = stiffness, gain = -std::expm1(-b);
     // early = (1 - e^-b)/b - e^-b; its series below 0.02 avoids the cancellation, first term left out b^5/144
-    if (stiffness < 0.02)
-    {
-        const double b = stiffness;
-        return {gain, b * (1.0 / 2 - b * (1.0 / 3 - b * (1.0 / 8 - b * (1.0 / 30 - b / 144))))};
-    }
-    return {gain, gain / stiffness - (1.0 - gain)};
+    const double series = b * (1.0 / 2 - b * (1.0 / 3 - b * (1.0 / 8 - b * (1.0 / 30 - b / 144))));
+    const double early = gain / b - (1.0 - gain);
+    return {gain, b < 0.02 ? series : early};
 }
+
+/// The same for n particles at a time.
+/// @param gain, early  set
+void relaxation(int n, const double* stiffness, double* gain, double* early);
+
+/// Gain of the velocity of n particles, made smaller where gas and particles, which take turns, would excite each
+/// other. The gas sees in which way particles have closed its path only in the next step; between the two a disturbance
+/// grows by 1 - lambda from step to step in a gas that cannot be compressed, lambda being how far a pressure that stops
+/// the gas moves the particles. It is kept at 1.5 at most: in dense beds of particles that follow the gas within a step
+/// or are as light as it is these then answer in a few steps.
+/// @param voidage          gas holdup at the particle, (0, 1]
+/// @param gasDensity       [kg/m3]
+/// @param particleDensity  [kg/m3]
+/// @param stiffness        step over relaxation time, >= 0
+/// @param gain             of `relaxation`, changed
+void boundGain(int n, const double* voidage, const double* gasDensity, const double* particleDensity,
+               const double* stiffness, double* gain);
 
 } // namespace hotbed

@@ -332,9 +332,9 @@ double Dem::heatCapacity(int particle) const
     return instance_->heat->heatCapacity(particle);
 }
 
-void Dem::receive(const double* heat)
+void Dem::receive(int first, int count, const double* heat)
 {
-    instance_->heat->receive(heat);
+    instance_->heat->receive(first, count, heat);
 }
 
 void Dem::advance(int steps)

@@ -67,10 +67,10 @@ public:
     std::string describe(int particle) const; ///< id, place and velocity in words
     std::string fastest() const;              ///< this rank's fastest particle, in words; empty without particles
 
-    double* temperature() const;             ///< [K]
-    double* nusselt() const;                 ///< [-]
-    double heatCapacity(int particle) const; ///< m c [J/K]
-    void receive(const double* heat);        ///< [J] by particle
+    double* temperature() const;                            ///< [K]
+    double* nusselt() const;                                ///< [-]
+    double heatCapacity(int particle) const;                ///< m c [J/K]
+    void receive(int first, int count, const double* heat); ///< [J] by particle, from the first of `count` on
 
     /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens. A particle that
     /// blows up ends the process with LIGGGHTS' kind of message.

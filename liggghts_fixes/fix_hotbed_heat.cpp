@@ -78,11 +78,11 @@ double FixHotbedHeat::heatCapacity(int particle) const
     return atom->rmass[particle] * capacity_->get_values()[atom->type[particle] - 1];
 }
 
-void FixHotbedHeat::receive(const double* heat)
+void FixHotbedHeat::receive(int first, int count, const double* heat)
 {
     double* T = temperature();
     vector_atom = T;
-    for (int i = 0; i < atom->nlocal; ++i) T[i] += heat[i] / heatCapacity(i);
+    for (int i = first; i < first + count; ++i) T[i] += heat[i - first] / heatCapacity(i);
 }
 
 double FixHotbedHeat::compute_scalar()

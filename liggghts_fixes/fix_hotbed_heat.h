@@ -23,8 +23,9 @@ public:
     double heatCapacity(int particle) const; ///< m c of a coarse particle [J/K]
 
     /// T += heat / (m c)
-    /// @param heat [local particles], received since the last call [J]
-    void receive(const double* heat);
+    /// @param first  local particle, the first of `count`
+    /// @param heat   [count], received since the last call [J]
+    void receive(int first, int count, const double* heat);
 
 private:
     class FixPropertyAtom* property(const char* name, const char* initial, bool ghosts);

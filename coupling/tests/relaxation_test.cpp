@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <vector>
+
 using hotbed::relaxation;
 
 TEST(Relaxation, CoefficientsAreConvexForAnyStiffness)
@@ -43,4 +45,30 @@ TEST(Relaxation, LinearGasIsExact)
         const long double expected = b < 0.01L ? small : exact;
         EXPECT_NEAR(double(relaxation(double(b)).early / expected), 1.0, 1e-11) << double(b);
     }
+}
+
+TEST(Relaxation, ManyAtATimeAreAsOne)
+{
+    std::vector<double> b = {0.0, std::numeric_limits<double>::infinity()};
+    for (double x = 1e-12; x < 1e12; x *= 1.7) b.push_back(x);
+    std::vector<double> gain(b.size()), early(b.size());
+    relaxation(int(b.size()), b.data(), gain.data(), early.data());
+    for (std::size_t i = 0; i < b.size(); ++i)
+    {
+        EXPECT_NEAR(gain[i], relaxation(b[i]).gain, 1e-15 * relaxation(b[i]).gain) << b[i];
+        EXPECT_NEAR(early[i], relaxation(b[i]).early, 1e-12 * relaxation(b[i]).gain) << b[i];
+    }
+}
+
+// lambda of docs/theory.md, Exchange, where it is simple: gain 1 and no drag in the way (b -> infinity), particles far
+// heavier than the gas, is (1 - eps)/eps + 1 with all of it in the first term
+TEST(Relaxation, GainIsBoundedInDenseBedsOnly)
+{
+    const double voidage[] = {0.4, 0.8, 0.4, 0.4}, gas[] = {1, 1, 1, 1}, solid[] = {1e9, 1e9, 1e9, 1e9};
+    const double stiffness[] = {1e9, 1e9, 1e-3, 0};
+    double gain[] = {1, 1, 1e-3, 0};
+    hotbed::boundGain(4, voidage, gas, solid, stiffness, gain);
+    EXPECT_NEAR(gain[0], 1.5 / (0.6 / 0.4 + 1), 1e-6); // lambda 2.5
+    EXPECT_EQ(gain[1], 1.0);                           // lambda 1.25
+    EXPECT_EQ(gain[3], 0.0);
 }

@@ -1,0 +1,57 @@
+// the C library has a version of this for whole registers; math.h declares it with more relaxed rules of arithmetic
+// only
+#pragma omp declare simd notinbranch
+extern "C" double expm1(double) noexcept;
+
+#include "relaxation.hpp"
+
+#include "vectorised.hpp"
+
+namespace hotbed
+{
+namespace
+{
+
+HOTBED_VECTORISED void relaxationOfAll(int n, const double* __restrict stiffness, double* __restrict gain,
+                                       double* __restrict early)
+{
+    for (int i = 0; i < n; ++i)
+    {
+        const Relaxation r = relaxation(stiffness[i]);
+        gain[i] = r.gain;
+        early[i] = r.early;
+    }
+}
+
+HOTBED_VECTORISED void boundGainOfAll(int n, const double* __restrict voidage, const double* __restrict gasDensity,
+                                      const double* __restrict particleDensity, const double* __restrict stiffness,
+                                      double* __restrict gain)
+{
+    for (int i = 0; i < n; ++i)
+    {
+        const double g = gain[i], eps = voidage[i], mean = g / stiffness[i];
+        const double gas = eps * gasDensity[i], solids = (1.0 - eps) * particleDensity[i]; // in a volume of the bed
+        const double follows = g * solids / (gas + g * solids); // what the gas takes on of the particles' velocity
+        const double gasPushed = eps + (1.0 - mean) * (1.0 - eps);
+        const double lambda =
+            ((1.0 - eps) / eps + follows) * (g + mean * (gas + g * solids) / (particleDensity[i] * gasPushed));
+        gain[i] = lambda > 1.5 ? g * (1.5 / lambda) : g;
+    }
+}
+
+} // namespace
+
+void relaxation(int n, const double* stiffness, double* gain, double* early)
+{
+    const NoTraps guard;
+    relaxationOfAll(n, stiffness, gain, early);
+}
+
+void boundGain(int n, const double* voidage, const double* gasDensity, const double* particleDensity,
+               const double* stiffness, double* gain)
+{
+    const NoTraps guard;
+    boundGainOfAll(n, voidage, gasDensity, particleDensity, stiffness, gain);
+}
+
+} // namespace hotbed

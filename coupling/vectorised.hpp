@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cfenv>
+
+/// Before a function: one version of its loops for each generation of processors, chosen when the program starts.
+#define HOTBED_VECTORISED __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"), flatten))
+
+namespace hotbed
+{
+
+/// In whole registers both sides of a choice are evaluated, also log(0): a host that traps that must not see it.
+class NoTraps
+{
+public:
+    NoTraps() { std::feholdexcept(&before_); }
+    ~NoTraps() { std::fesetenv(&before_); }
+    NoTraps(const NoTraps&) = delete;
+    NoTraps& operator=(const NoTraps&) = delete;
+
+private:
+    std::fenv_t before_;
+};
+
+} // namespace hotbed
