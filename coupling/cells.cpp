@@ -222,7 +222,7 @@ public:
     {
         const int first = size();
         onBoxes_->append(count, particles, found);
-        std::vector<double> mass(std::size_t(count));
+        std::vector<double> mass(count, 0.0);
         onBoxes_->interpolate(1, first, count, cells_.covered_.data(), mass.data());
         for (int n = 0; n < count; ++n)
         {
