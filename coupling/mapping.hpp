@@ -72,10 +72,7 @@ public:
     /// @param fields    values per particle: 1, 2, 4, 8 or 16
     /// @param copies    [copies()][fields]
     /// @param cellSums  [cells().size()][fields], added to
-    void deposit(int fields, const double* copies, double* cellSums)
-    {
-        weights_->deposit(fields, copies, cellSums);
-    }
+    void deposit(int fields, const double* copies, double* cellSums) { weights_->deposit(fields, copies, cellSums); }
 
     /// The same two, a block of particles at a time, so that the values of particles need not leave the cache.
     static constexpr int block = 256;
