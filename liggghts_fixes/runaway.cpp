@@ -40,7 +40,8 @@ std::string fastest(const LAMMPS& lmp)
 
 void refuseRunaways(const LAMMPS& lmp)
 {
-    const double step = lmp.update->dt;
+    // without contacts a step may be any number of radii long
+    const double step = lmp.force->pair ? lmp.update->dt : 0.0;
     const double* radius = lmp.atom->radius;
     for (int i = 0; i < lmp.atom->nlocal; ++i)
     {
@@ -49,7 +50,7 @@ void refuseRunaways(const LAMMPS& lmp)
         if (squared(lmp.atom->v[i]) * step * step + 0.0 * (x[0] + x[1] + x[2]) <= radius[i] * radius[i]) continue;
         std::ostringstream text;
         text << describe(lmp, i) << " blew up at DEM step " << lmp.update->ntimestep
-             << ": it moves by more than its radius (" << radius[i] << " m) in a DEM step of " << step
+             << ": it moves by more than its radius (" << radius[i] << " m) in a DEM step of " << lmp.update->dt
              << " s. Likely particles were made or inserted on top of each other, a wall or the gas pushed it too "
                 "hard, or the contacts are too stiff for the DEM step: look at it in the dumps; a shorter timestep or "
                 "a softer kn in the DEM script helps where they are too stiff. The restarts written before are whole";
