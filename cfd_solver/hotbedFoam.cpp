@@ -55,9 +55,10 @@ void enterCase(int& argc, char** argv)
 /// DEM steps in a gas step; the gas step must be a whole number of them.
 int demSteps(const Time& runTime, const Dem& dem, const fileName& script)
 {
-    const scalar steps = runTime.deltaTValue() / dem.timestep();
+    const scalar deltaT = runTime.deltaTValue();
+    const scalar steps = deltaT / max(dem.timestep(), deltaT / INT_MAX); // the quotient may be too large for a number
     const int whole = int(std::lround(steps));
-    if (!(steps < INT_MAX) || whole < 1 || std::abs(steps - whole) > 1e-6 * steps)
+    if (whole < 1 || whole == INT_MAX || std::abs(steps - whole) > 1e-6 * steps)
         FatalErrorInFunction << "deltaT in system/controlDict is " << runTime.deltaTValue() << " s, which is " << steps
                              << " DEM steps of " << dem.timestep() << " s (timestep in " << script
                              << "): it must be a whole number of them, for example "

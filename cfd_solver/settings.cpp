@@ -71,7 +71,8 @@ word choice(const dictionary& dict, const word& key, const wordList& known)
 scalar number(const dictionary& dict, const word& key, const Range& range, const dimensionSet& unit = dimless)
 {
     OStringStream allowed;
-    allowed << "a number " << range.text().c_str() << ' ' << unit;
+    allowed << "a number " << range.text().c_str();
+    if (!unit.dimensionless()) allowed << ' ' << unit;
     const scalar value = read(dict, key, allowed.str(), [&] { return dimensionedScalar(key, unit, dict).value(); });
     if (!range.holds(value)) refuse(dict, key, allowed.str());
     return value;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cfloat>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -15,7 +16,11 @@ struct Range
     bool withLow;          ///< low itself too
     double high = DBL_MAX; ///< itself too
 
-    bool holds(double value) const { return (withLow ? value >= low : value > low) && value <= high; }
+    /// Comparing what is no number would end a solver that traps floating-point errors.
+    bool holds(double value) const
+    {
+        return std::isfinite(value) && (withLow ? value >= low : value > low) && value <= high;
+    }
 
     /// such as "> 0, <= 1"
     std::string text() const

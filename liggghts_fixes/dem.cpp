@@ -33,6 +33,13 @@ struct ScriptLine : Input
     static const char* of(Input& input) { return input.*(&ScriptLine::line); }
 };
 
+/// What to do where the units are others, else nothing.
+std::string unitsMend(const LAMMPS& lmp)
+{
+    const std::string units = lmp.update->unit_style;
+    return units == "si" ? "" : "the units are " + units + ": begin the script with 'units si'";
+}
+
 /// What LIGGGHTS prints goes to its log file; its errors and warnings also to stderr, with the script's name.
 struct ErrorStream
 {
@@ -53,8 +60,12 @@ struct ErrorStream
             if (stream.line.compare(0, 5, "ERROR") == 0 || stream.line.compare(0, 7, "WARNING") == 0)
                 std::fprintf(stderr, "LIGGGHTS, %s: %s\n", stream.script.c_str(), stream.line.c_str());
             if (stream.reading && stream.line.compare(0, 5, "ERROR") == 0)
+            {
                 std::fprintf(stderr, "LIGGGHTS, %s: at the line: %s\n", stream.script.c_str(),
                              ScriptLine::of(*stream.reading->input));
+                const std::string mend = unitsMend(*stream.reading);
+                if (!mend.empty()) std::fprintf(stderr, "LIGGGHTS, %s: %s\n", stream.script.c_str(), mend.c_str());
+            }
             if (stream.running && stream.line.compare(0, 5, "ERROR") == 0 &&
                 stream.line.find("blew up") == std::string::npos) // that one names its particle
                 std::fprintf(stderr, "The fastest on this rank was %s. The restarts written before are whole.\n",
@@ -114,9 +125,8 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
         throw std::runtime_error("the DEM script '" + script +
                                  "' makes no simulation box: add create_box or "
                                  "read_restart, and particles");
-    if (std::strcmp(lmp.update->unit_style, "si") != 0)
-        throw std::runtime_error("the units of the DEM script '" + script + "' are " + lmp.update->unit_style +
-                                 ": begin it with 'units si'");
+    const std::string mend = unitsMend(lmp);
+    if (!mend.empty()) throw std::runtime_error("in the DEM script '" + script + "' " + mend);
     const Range timestep = {0.0, false};
     if (!lmp.update->timestep_set || !timestep.holds(lmp.update->dt))
         throw std::runtime_error("timestep " +

@@ -77,7 +77,7 @@ double FixHotbedCoarsegrain::given(double value, const char* keyword) const
 {
     if (value == 0.0)
         error->all(FLERR, (std::string("Fix hotbed/coarsegrain (id ") + id + "): this value of f_" + id +
-                           " needs the keyword " + keyword)
+                           " needs the keyword " + keyword + ": add it")
                               .c_str());
     return value;
 }
