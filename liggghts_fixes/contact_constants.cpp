@@ -38,7 +38,7 @@ FixPropertyGlobal& required(PropertyRegistry& registry, const char* name, const 
 }
 
 constexpr Range ofStiffness = {0.0, false, 1e12}, ofTangentialStiffness = {0.0, true, 1e12},
-                ofDashpot = {0.0, true, 1e6}, ofRestitution = {0.0, false, 1.0}, ofFriction = {0.0, true};
+                ofDashpot = {0.0, true, 1e6}, ofRestitution = {0.0, false, 1.0}, ofFriction = {0.0, true, 1e6};
 
 /// checked value of a property for a pair of types (0-based)
 double value(PropertyRegistry& registry, FixPropertyGlobal& property, const char* name, const Range& range, int i,
@@ -103,7 +103,7 @@ MatrixProperty* tangentialStiffnesses(PropertyRegistry& registry, const char* ca
         return fill(registry,
                     [&](int i, int j) { return cube * value(registry, *kt, "kt", ofTangentialStiffness, i, j); });
     FixPropertyGlobal& kn = required(registry, "kn", "[N/m]", caller);
-    FixPropertyGlobal& en = required(registry, "coefficientRestitution", "[-]", caller);
+    FixPropertyGlobal& en = required(registry, "coefficientRestitution", "[-] (or give kt)", caller);
     FixPropertyGlobal& et = required(registry, "tangentialRestitution", "[-] (or give kt and etat)", caller);
     return fill(registry,
                 [&](int i, int j)

@@ -10,7 +10,6 @@ in the words of the table. Scene: the slim bed with 269 particles in 768 cells, 
 import argparse
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -104,7 +103,7 @@ def expected(key, attempt, owner, file):
     if key.name in READ_FIRST and not re.fullmatch("-?[0-9]+", attempt.value):
         return texts
     if owner == "property/global" and not re.fullmatch(r"[\d.e+-]+", attempt.value):  # LIGGGHTS' own fix
-        return texts + ["floating point" if attempt.value else "not enough arguments"]
+        return texts + (["floating point"] if attempt.value else [])
     if attempt.what == "value missing":
         return texts
     if key.choices:
