@@ -174,7 +174,7 @@ void Coupling::particlesToGas()
             const int n = dem_.size();
             const double* T = dem_.temperature();
             for (int i = 0; i < n; ++i)
-                if (!(T[i] > 0.0 && T[i] < hottest))
+                if (!(T[i] > 0.0 && T[i] <= hottest))
                     FatalErrorInFunction
                         << dem_.describe(i).c_str() << " has the temperature " << T[i]
                         << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "

@@ -16,6 +16,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <climits>
 #include <cmath>
 #include <cstring>
 #include <iomanip>
@@ -54,9 +55,10 @@ void enterCase(int& argc, char** argv)
 /// DEM steps in a gas step; the gas step must be a whole number of them.
 int demSteps(const Time& runTime, const Dem& dem, const fileName& script)
 {
-    const scalar steps = runTime.deltaTValue() / dem.timestep();
+    const scalar deltaT = runTime.deltaTValue();
+    const scalar steps = deltaT / max(dem.timestep(), deltaT / INT_MAX); // the quotient may be too large for a number
     const int whole = int(std::lround(steps));
-    if (whole < 1 || std::abs(steps - whole) > 1e-6 * steps)
+    if (whole < 1 || whole == INT_MAX || std::abs(steps - whole) > 1e-6 * steps)
         FatalErrorInFunction << "deltaT in system/controlDict is " << runTime.deltaTValue() << " s, which is " << steps
                              << " DEM steps of " << dem.timestep() << " s (timestep in " << script
                              << "): it must be a whole number of them, for example "
@@ -70,12 +72,11 @@ int demSteps(const Time& runTime, const Dem& dem, const fileName& script)
 void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
 {
     const dictionary& control = runTime.controlDict();
-    if (!control.lookupOrDefault<Switch>("adjustTimeStep", false)) return;
-    const scalar maxCo = control.lookupOrDefault<scalar>("maxCo", 1);
-    const scalar maxDeltaT = control.lookupOrDefault<scalar>("maxDeltaT", GREAT);
+    const StepSettings settings(runTime); // anew, the file may have been changed
+    if (!settings.adjust) return;
     const scalar now = runTime.deltaTValue();
     const scalar growth = max(1.2 * now, now + dem.timestep()); // few DEM steps: one more at least
-    const scalar wanted = min(min(now * maxCo / max(Courant, SMALL), growth), maxDeltaT);
+    const scalar wanted = min(min(now * settings.maxCo / max(Courant, SMALL), growth), settings.maxDeltaT);
     long steps = std::max(std::lround(std::floor(wanted / dem.timestep() * (1 + 1e-9))), 1L);
 
     scalar next = runTime.endTime().value();
@@ -181,6 +182,7 @@ int main(int argc, char* argv[])
         Time runTime(Time::controlDictName, args);
         Restart restart(runTime);
         const CouplingSettings settings(runTime);
+        const StepSettings stepSettings(runTime);
         Timing timing;
         std::unique_ptr<Dem> dem;
         try
@@ -192,6 +194,10 @@ int main(int argc, char* argv[])
             dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, variables, "log.liggghts");
             check.particles(*dem);
             demSteps(runTime, *dem, settings.demScript);
+            if (stepSettings.adjust && stepSettings.maxDeltaT < dem->timestep())
+                FatalIOErrorInFunction(runTime.controlDict())
+                    << "maxDeltaT is " << stepSettings.maxDeltaT << " s, shorter than a DEM step of " << dem->timestep()
+                    << " s (timestep in " << settings.demScript << "): it must be at least that" << exit(FatalIOError);
             restart.compare(*dem, settings.demScript);
             dem->setup(restart.resumed());
         }

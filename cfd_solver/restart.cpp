@@ -207,10 +207,6 @@ void Restart::compare(const Dem& dem, const fileName& script) const
 
 void Restart::begin() const
 {
-    if (runTime_.controlDict().lookupOrDefault<label>("purgeWrite", 0) == 1)
-        FatalIOErrorInFunction(runTime_.controlDict()) << "purgeWrite 1 removes the last whole restart's fields before "
-                                                          "the new one is whole: set it to 2 or more, or "
-                                                       << "to 0 to keep all" << exit(FatalIOError);
     const fileName place = runTime_.globalPath() / "restart";
     if (Pstream::master() && !mkDir(place)) cannotWrite(place, errno);
 }

@@ -1,12 +1,13 @@
 #include "settings.hpp"
 
 #include "closures.hpp"
+#include "range.hpp"
 
 #include "IFstream.H"
 #include "OSspecific.H"
 #include "OStringStream.H"
 
-#include <cmath>
+#include <cstdlib>
 
 using namespace Foam;
 
@@ -22,21 +23,75 @@ wordList words(std::initializer_list<const char*> names)
     return list;
 }
 
+/// Ends with the key, what it may be and what it is.
+[[noreturn]] void refuse(const dictionary& dict, const word& key, const std::string& allowed)
+{
+    OStringStream text;
+    const entry* given = dict.findEntry(key, keyType::LITERAL);
+    if (given && given->isStream())
+        for (const token& part : given->stream()) text << (text.str().empty() ? "" : " ") << part;
+    else if (given)
+        text << "a dictionary";
+    if (given)
+        FatalIOErrorInFunction(dict) << key << " must be " << allowed.c_str() << ", not '" << text.str().c_str() << "'"
+                                     << exit(FatalIOError);
+    FatalIOErrorInFunction(dict) << key << " is missing: add '" << key << " ...;', " << allowed.c_str()
+                                 << exit(FatalIOError);
+    std::abort();
+}
+
+/// What `get` reads from an entry; where OpenFOAM cannot read it so, an error that says what is allowed.
+template <class Get> auto read(const dictionary& dict, const word& key, const std::string& allowed, const Get& get)
+{
+    const bool before = FatalIOError.throwExceptions();
+    try
+    {
+        const auto value = get();
+        FatalIOError.throwExceptions(before);
+        return value;
+    }
+    catch (const Foam::IOerror&)
+    {
+        FatalIOError.throwExceptions(before);
+        refuse(dict, key, allowed);
+    }
+}
+
 /// one of the known laws, or an error that lists them
 word choice(const dictionary& dict, const word& key, const wordList& known)
 {
-    const word value = dict.get<word>(key);
-    if (!known.found(value))
-        FatalIOErrorInFunction(dict) << "unknown " << key << " '" << value << "'; choose one of " << flatOutput(known)
-                                     << exit(FatalIOError);
+    std::string allowed = "one of";
+    for (const word& name : known) allowed += ' ' + name;
+    const word value = read(dict, key, allowed, [&] { return dict.get<word>(key); });
+    if (!known.found(value)) refuse(dict, key, allowed);
     return value;
 }
 
-scalar positive(const dictionary& dict, const word& key)
+/// @param unit  dimensions may be given too, and must be these then
+scalar number(const dictionary& dict, const word& key, const Range& range, const dimensionSet& unit = dimless)
 {
-    const scalar value = dict.get<scalar>(key);
-    if (!std::isfinite(value) || !(value > 0))
-        FatalIOErrorInFunction(dict) << key << " must be a number > 0, not " << value << exit(FatalIOError);
+    OStringStream allowed;
+    allowed << "a number " << range.text().c_str();
+    if (!unit.dimensionless()) allowed << ' ' << unit;
+    const scalar value = read(dict, key, allowed.str(), [&] { return dimensionedScalar(key, unit, dict).value(); });
+    if (!range.holds(value)) refuse(dict, key, allowed.str());
+    return value;
+}
+
+label wholeNumber(const dictionary& dict, const word& key, const Range& range)
+{
+    const std::string allowed = "a whole number " + range.text();
+    const label value = read(dict, key, allowed, [&] { return dict.get<label>(key); });
+    if (!range.holds(value)) refuse(dict, key, allowed);
+    return value;
+}
+
+bool onOff(const dictionary& dict, const word& key, bool preset)
+{
+    const std::string allowed = "yes or no, on or off, true or false";
+    if (!dict.found(key)) return preset;
+    const Switch value(read(dict, key, allowed, [&] { return dict.get<word>(key); }), true);
+    if (!value.valid()) refuse(dict, key, allowed);
     return value;
 }
 
@@ -74,7 +129,11 @@ CouplingSettings::CouplingSettings(const Time& runTime)
             FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)
                                          << exit(FatalIOError);
 
-    demScript = dict.get<fileName>("demScript");
+    const char* const scriptIs = "the LIGGGHTS script, its path from the case in quotes";
+    demScript = read(dict, "demScript", scriptIs, [&] { return dict.get<fileName>("demScript"); });
+    if (!isFile(demScript))
+        FatalIOErrorInFunction(dict) << "cannot read the DEM script '" << demScript << "': demScript must be "
+                                     << scriptIs << exit(FatalIOError);
     const HashTable<DragLaw> drags({{"Beetstra", beetstra}, {"ErgunWenYu", ergunWenYu}, {"none", nullptr}});
     dragName = choice(dict, "drag", drags.sortedToc());
     drag = drags[dragName];
@@ -85,25 +144,35 @@ CouplingSettings::CouplingSettings(const Time& runTime)
                                      << exit(FatalIOError);
     if (dict.found("windowLength"))
     {
-        windowLength = positive(dict, "windowLength");
+        windowLength = number(dict, "windowLength", {0.0, false, 1e4}, dimLength);
         kernelWidth = 0;
     }
     else if (dict.found("kernelWidth"))
-        kernelWidth = positive(dict, "kernelWidth");
-    if (dict.found("kernelSamples"))
-    {
-        kernelSamples = dict.get<label>("kernelSamples");
-        if (kernelSamples < 1 || kernelSamples > 16)
-            FatalIOErrorInFunction(dict) << "kernelSamples must be from 1 to 16, not " << kernelSamples
-                                         << exit(FatalIOError);
-    }
-    bedInterval = dict.lookupOrDefault<label>("bedInterval", 10);
-    if (bedInterval < 1)
-        FatalIOErrorInFunction(dict) << "bedInterval must be a whole number of gas steps, at least 1, not "
-                                     << bedInterval << exit(FatalIOError);
-    writeRestart = dict.lookupOrDefault<Switch>("writeRestart", true);
+        kernelWidth = number(dict, "kernelWidth", {0.0, false, 1e6});
+    if (dict.found("kernelSamples")) kernelSamples = wholeNumber(dict, "kernelSamples", {1, true, 16});
+    if (dict.found("bedInterval")) bedInterval = wholeNumber(dict, "bedInterval", {1, true});
+    writeRestart = onOff(dict, "writeRestart", true);
     if (dict.found("exchange")) linearExchange = choice(dict, "exchange", words({"linear", "implicit"})) == "linear";
-    temperatureGradient = dict.lookupOrDefault<Switch>("temperatureGradient", true);
+    temperatureGradient = onOff(dict, "temperatureGradient", true);
+
+    const dictionary& control = runTime.controlDict();
+    if (writeRestart && control.found("purgeWrite") && wholeNumber(control, "purgeWrite", {0, true}) == 1)
+        FatalIOErrorInFunction(control) << "purgeWrite 1 removes the last whole restart's fields before "
+                                           "the new one is whole: set it to 2 or more, or "
+                                        << "to 0 to keep all" << exit(FatalIOError);
+}
+
+StepSettings::StepSettings(const Time& runTime)
+{
+    const dictionary& control = runTime.controlDict();
+    adjust = onOff(control, "adjustTimeStep", false);
+    for (const char* key : {"maxCo", "maxDeltaT"})
+        if (control.found(key) && !control.found("adjustTimeStep"))
+            FatalIOErrorInFunction(control) << "adjustTimeStep is missing, but " << key
+                                            << " is given: add 'adjustTimeStep yes;', or no" << exit(FatalIOError);
+    if (!adjust) return;
+    maxCo = number(control, "maxCo", {0.0, false});
+    maxDeltaT = number(control, "maxDeltaT", {0.0, false}, dimTime);
 }
 
 } // namespace hotbed

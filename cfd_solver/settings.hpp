@@ -34,4 +34,14 @@ struct CouplingSettings
     bool temperatureGradient = true; ///< read the gas temperature at the particle, not at its cells' centres
 };
 
+/// How system/controlDict lets the gas step follow the Courant number, checked.
+struct StepSettings
+{
+    explicit StepSettings(const Foam::Time& runTime);
+
+    bool adjust;            ///< adjustTimeStep; the others are not read without it
+    Foam::scalar maxCo;     ///< largest Courant number
+    Foam::scalar maxDeltaT; ///< longest gas step [s]
+};
+
 } // namespace hotbed

@@ -4,9 +4,10 @@
 
 #include "closures.hpp"
 #include "fix_hotbed_coarsegrain.h"
+#include "range.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdio>
 #include <functional>
 #include <string>
 
@@ -36,30 +37,21 @@ FixPropertyGlobal& required(PropertyRegistry& registry, const char* name, const 
     std::abort();
 }
 
-using Check = bool (*)(double);
-bool positive(double v)
-{
-    return v > 0.0 && std::isfinite(v);
-}
-bool notNegative(double v)
-{
-    return v >= 0.0 && std::isfinite(v);
-}
-bool fraction(double v)
-{
-    return v > 0.0 && v <= 1.0;
-}
+constexpr Range ofStiffness = {0.0, false, 1e12}, ofTangentialStiffness = {0.0, true, 1e12},
+                ofDashpot = {0.0, true, 1e6}, ofRestitution = {0.0, false, 1.0}, ofFriction = {0.0, true, 1e6};
 
 /// checked value of a property for a pair of types (0-based)
-double value(PropertyRegistry& registry, FixPropertyGlobal& property, const char* name, Check good, const char* range,
-             int i, int j)
+double value(PropertyRegistry& registry, FixPropertyGlobal& property, const char* name, const Range& range, int i,
+             int j)
 {
     const double v = property.compute_array(i, j);
-    if (!good(v))
-        registry.getLAMMPS()->error->all(FLERR, (std::string("property/global ") + name + " must be " + range +
-                                                 ", but is " + std::to_string(v) + " for types " +
-                                                 std::to_string(i + 1) + " and " + std::to_string(j + 1))
-                                                    .c_str());
+    if (!range.holds(v))
+    {
+        char text[256];
+        std::snprintf(text, sizeof text, "property/global %s must be %s, but is %g for types %d and %d", name,
+                      range.text().c_str(), v, i + 1, j + 1);
+        registry.getLAMMPS()->error->all(FLERR, text);
+    }
     return v;
 }
 
@@ -86,15 +78,15 @@ MatrixProperty* stiffness(PropertyRegistry& registry, const char* caller)
 {
     FixPropertyGlobal& kn = required(registry, "kn", "[N/m]", caller);
     const double cube = cubedRatio(registry);
-    return fill(registry, [&](int i, int j) { return cube * value(registry, kn, "kn", positive, "> 0", i, j); });
+    return fill(registry, [&](int i, int j) { return cube * value(registry, kn, "kn", ofStiffness, i, j); });
 }
 
 MatrixProperty* dashpots(PropertyRegistry& registry, const char* name, const char* caller)
 {
     FixPropertyGlobal* eta = optional(registry, name, caller);
     const double cube = cubedRatio(registry);
-    return fill(registry, [&](int i, int j)
-                { return eta ? cube * value(registry, *eta, name, notNegative, ">= 0", i, j) : 0.0; });
+    return fill(registry,
+                [&](int i, int j) { return eta ? cube * value(registry, *eta, name, ofDashpot, i, j) : 0.0; });
 }
 
 } // namespace
@@ -109,17 +101,17 @@ MatrixProperty* tangentialStiffnesses(PropertyRegistry& registry, const char* ca
     const double cube = cubedRatio(registry);
     if (FixPropertyGlobal* kt = optional(registry, "kt", caller))
         return fill(registry,
-                    [&](int i, int j) { return cube * value(registry, *kt, "kt", notNegative, ">= 0", i, j); });
+                    [&](int i, int j) { return cube * value(registry, *kt, "kt", ofTangentialStiffness, i, j); });
     FixPropertyGlobal& kn = required(registry, "kn", "[N/m]", caller);
-    FixPropertyGlobal& en = required(registry, "coefficientRestitution", "[-]", caller);
+    FixPropertyGlobal& en = required(registry, "coefficientRestitution", "[-] (or give kt)", caller);
     FixPropertyGlobal& et = required(registry, "tangentialRestitution", "[-] (or give kt and etat)", caller);
     return fill(registry,
                 [&](int i, int j)
                 {
-                    return cube * tangentialStiffness(
-                                      value(registry, kn, "kn", positive, "> 0", i, j),
-                                      value(registry, en, "coefficientRestitution", fraction, "in (0, 1]", i, j),
-                                      value(registry, et, "tangentialRestitution", fraction, "in (0, 1]", i, j));
+                    return cube *
+                           tangentialStiffness(value(registry, kn, "kn", ofStiffness, i, j),
+                                               value(registry, en, "coefficientRestitution", ofRestitution, i, j),
+                                               value(registry, et, "tangentialRestitution", ofRestitution, i, j));
                 });
 }
 
@@ -129,9 +121,8 @@ MatrixProperty* normalDashpotPerRootMass(PropertyRegistry& registry, const char*
     const MatrixProperty* k = registry.getMatrixProperty("hotbed_kn", caller);
     FixPropertyGlobal& e = required(registry, "coefficientRestitution", "[-] (or give etan)", caller);
     return fill(registry,
-                [&](int i, int j)
-                {
-                    return dashpot(value(registry, e, "coefficientRestitution", fraction, "in (0, 1]", i, j),
+                [&](int i, int j) {
+                    return dashpot(value(registry, e, "coefficientRestitution", ofRestitution, i, j),
                                    k->data[i + 1][j + 1], 1.0);
                 });
 }
@@ -144,7 +135,7 @@ MatrixProperty* tangentialDashpotPerRootMass(PropertyRegistry& registry, const c
     return fill(registry,
                 [&](int i, int j)
                 {
-                    return dashpot(value(registry, e, "tangentialRestitution", fraction, "in (0, 1]", i, j),
+                    return dashpot(value(registry, e, "tangentialRestitution", ofRestitution, i, j),
                                    k->data[i + 1][j + 1], 2.0 / 7.0);
                 });
 }
@@ -162,8 +153,7 @@ MatrixProperty* tangentialDashpots(PropertyRegistry& registry, const char* calle
 MatrixProperty* friction(PropertyRegistry& registry, const char* caller, bool)
 {
     FixPropertyGlobal& mu = required(registry, "coefficientFriction", "[-]", caller);
-    return fill(registry,
-                [&](int i, int j) { return value(registry, mu, "coefficientFriction", notNegative, ">= 0", i, j); });
+    return fill(registry, [&](int i, int j) { return value(registry, mu, "coefficientFriction", ofFriction, i, j); });
 }
 
 std::vector<ContactConstants> contactTable(LAMMPS& lmp)

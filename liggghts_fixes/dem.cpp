@@ -27,10 +27,24 @@ namespace hotbed
 namespace
 {
 
+/// The line of the script that LIGGGHTS is at, which is protected.
+struct ScriptLine : Input
+{
+    static const char* of(Input& input) { return input.*(&ScriptLine::line); }
+};
+
+/// What to do where the units are others, else nothing.
+std::string unitsMend(const LAMMPS& lmp)
+{
+    const std::string units = lmp.update->unit_style;
+    return units == "si" ? "" : "the units are " + units + ": begin the script with 'units si'";
+}
+
 /// What LIGGGHTS prints goes to its log file; its errors and warnings also to stderr, with the script's name.
 struct ErrorStream
 {
     std::string script, line;
+    LAMMPS* reading = nullptr;       ///< in the script
     const LAMMPS* running = nullptr; ///< in the time loop, where particles may be to blame
 
     static ssize_t write(void* self, const char* text, std::size_t size)
@@ -45,6 +59,13 @@ struct ErrorStream
             }
             if (stream.line.compare(0, 5, "ERROR") == 0 || stream.line.compare(0, 7, "WARNING") == 0)
                 std::fprintf(stderr, "LIGGGHTS, %s: %s\n", stream.script.c_str(), stream.line.c_str());
+            if (stream.reading && stream.line.compare(0, 5, "ERROR") == 0)
+            {
+                std::fprintf(stderr, "LIGGGHTS, %s: at the line: %s\n", stream.script.c_str(),
+                             ScriptLine::of(*stream.reading->input));
+                const std::string mend = unitsMend(*stream.reading);
+                if (!mend.empty()) std::fprintf(stderr, "LIGGGHTS, %s: %s\n", stream.script.c_str(), mend.c_str());
+            }
             if (stream.running && stream.line.compare(0, 5, "ERROR") == 0 &&
                 stream.line.find("blew up") == std::string::npos) // that one names its particle
                 std::fprintf(stderr, "The fastest on this rank was %s. The restarts written before are whole.\n",
@@ -96,12 +117,21 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
     std::setvbuf(screen, nullptr, _IONBF, 0);
     LAMMPS& lmp = *instance_->lmp;
     lmp.screen = screen;
+    instance_->errors.reading = &lmp;
     lmp.input->file(script.c_str());
+    instance_->errors.reading = nullptr;
 
     if (lmp.domain->box_exist == 0)
         throw std::runtime_error("the DEM script '" + script +
                                  "' makes no simulation box: add create_box or "
                                  "read_restart, and particles");
+    const std::string mend = unitsMend(lmp);
+    if (!mend.empty()) throw std::runtime_error("in the DEM script '" + script + "' " + mend);
+    const Range timestep = {0.0, false};
+    if (!lmp.update->timestep_set || !timestep.holds(lmp.update->dt))
+        throw std::runtime_error("timestep " +
+                                 (lmp.update->timestep_set ? "is " + std::to_string(lmp.update->dt) : "is missing") +
+                                 " in the DEM script '" + script + "': add 'timestep dt', " + timestep.text() + " [s]");
     instance_->heat = instance_->find<FixHotbedHeat>();
     instance_->drag = instance_->find<FixHotbedDrag>();
     instance_->coarsegrain = instance_->find<FixHotbedCoarsegrain>();

@@ -6,8 +6,6 @@
 #include "runaway.hpp"
 
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <string>
 
 using namespace LAMMPS_NS;
@@ -27,25 +25,23 @@ FixHotbedCoarsegrain::FixHotbedCoarsegrain(LAMMPS* lmp, int narg, char** arg) : 
         if (i + values >= narg)
             error->fix_error(FLERR, this,
                              ("keyword " + keyword + " wants " + (values == 2 ? "two values" : "a value")).c_str());
-        const auto once = [&](double& value)
+        const auto once = [&](double& value, double most, const char* unit)
         {
             if (value != 0.0) error->fix_error(FLERR, this, ("keyword " + keyword + " is given twice").c_str());
-            value = positive(keyword.c_str(), arg[++i]);
+            value = hotbed::number(*error, *this, keyword, arg[++i], {0.0, false, most}, unit);
         };
         if (keyword == "ratio")
-            once(ratio_);
+            once(ratio_, 1000.0, "-");
         else if (keyword == "diameter")
-            once(diameter_);
+            once(diameter_, 10.0, "m");
         else if (keyword == "density")
-            once(density_);
+            once(density_, 1e6, "kg/m3");
         else if (keyword == "stiffness")
-            once(stiffness_);
+            once(stiffness_, 1e12, "N/m");
         else if (keyword == "restitution")
         {
-            once(normalRestitution_);
-            once(tangentialRestitution_);
-            if (normalRestitution_ > 1.0 || tangentialRestitution_ > 1.0)
-                error->fix_error(FLERR, this, "restitution must be in (0, 1]");
+            once(normalRestitution_, 1.0, "-");
+            once(tangentialRestitution_, 1.0, "-");
         }
         else
             error->fix_error(
@@ -77,22 +73,11 @@ void FixHotbedCoarsegrain::pre_exchange()
     hotbed::refuseRunaways(*lmp);
 }
 
-double FixHotbedCoarsegrain::positive(const char* keyword, const char* text) const
-{
-    char* end = nullptr;
-    const double value = std::strtod(text, &end);
-    if (end == text || *end != '\0' || !std::isfinite(value) || !(value > 0.0))
-        error->all(FLERR, (std::string("Fix hotbed/coarsegrain (id ") + id + "): " + keyword +
-                           " must be a number > 0, not '" + text + "'")
-                              .c_str());
-    return value;
-}
-
 double FixHotbedCoarsegrain::given(double value, const char* keyword) const
 {
     if (value == 0.0)
         error->all(FLERR, (std::string("Fix hotbed/coarsegrain (id ") + id + "): this value of f_" + id +
-                           " needs the keyword " + keyword)
+                           " needs the keyword " + keyword + ": add it")
                               .c_str());
     return value;
 }

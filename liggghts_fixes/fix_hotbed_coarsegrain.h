@@ -21,7 +21,6 @@ public:
     double ratio() const { return ratio_; }
 
 private:
-    double positive(const char* keyword, const char* text) const;
     double given(double value, const char* keyword) const;
 
     double ratio_ = 0.0;

@@ -2,9 +2,7 @@
 
 #include "fix_hotbed_heat.h"
 
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <string>
 
@@ -18,12 +16,7 @@ FixHotbedHeat::FixHotbedHeat(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg,
         error->fix_error(FLERR, this, "particle temperature is held already by another fix hotbed/heat");
     if (narg != 5 || std::strcmp(arg[3], "initial_temperature") != 0)
         error->fix_error(FLERR, this, "expecting 'initial_temperature T0' and nothing else");
-    char* end = nullptr;
-    initialTemperature_ = std::strtod(arg[4], &end);
-    if (end == arg[4] || *end != '\0' || !std::isfinite(initialTemperature_) || !(initialTemperature_ > 0.0))
-        error->fix_error(
-            FLERR, this,
-            (std::string("initial_temperature must be a number > 0 in kelvin, not '") + arg[4] + "'").c_str());
+    initialTemperature_ = hotbed::number(*error, *this, arg[3], arg[4], {0.0, false, 1e5}, "K");
     scalar_flag = 1;
     global_freq = 1;
     extscalar = 1;
@@ -57,9 +50,11 @@ void FixHotbedHeat::init()
         error->fix_error(FLERR, this,
                          "the particles' heat capacity is missing: add "
                          "'fix ID all property/global thermalCapacity peratomtype C1 C2 ...' [J/kg/K], one a type");
+    const hotbed::Range range = {0.0, false, 1e12};
     for (int t = 0; t < atom->ntypes; ++t)
-        if (!(capacity_->compute_vector(t) > 0.0))
-            error->fix_error(FLERR, this, "thermalCapacity must be > 0 for every particle type [J/kg/K]");
+        if (!range.holds(capacity_->compute_vector(t)))
+            error->fix_error(FLERR, this,
+                             ("thermalCapacity must be " + range.text() + " for every particle type [J/kg/K]").c_str());
     vector_atom = temperature_->vector_atom;
 }
 

@@ -107,15 +107,17 @@ FixNVESphereHotbed::FixNVESphereHotbed(LAMMPS* lmp, int narg, char** arg) : FixN
     if (narg == 3) return;
     if (narg != 9 || std::strcmp(arg[3], "gravity") != 0 || std::strcmp(arg[5], "vector") != 0)
         error->fix_error(FLERR, this, "expecting 'gravity g vector x y z' or nothing");
-    const double g = force->numeric(FLERR, arg[4]);
-    double length = 0.0;
+    const hotbed::Range range = {-1e6, true, 1e6};
+    const double g = hotbed::number(*error, *this, "gravity", arg[4], range, "m/s2");
     for (int a = 0; a < 3; ++a)
     {
-        gravity_[a] = a < domain->dimension ? force->numeric(FLERR, arg[6 + a]) : 0.0;
-        length += gravity_[a] * gravity_[a];
+        gravity_[a] = hotbed::number(*error, *this, "vector", arg[6 + a], range, "-");
+        if (a >= domain->dimension) gravity_[a] = 0.0;
     }
-    if (!(length > 0.0)) error->fix_error(FLERR, this, "the vector of gravity has no length");
-    for (double& a : gravity_) a *= g / std::sqrt(length);
+    const double length = std::hypot(gravity_[0], gravity_[1], gravity_[2]);
+    if (!(length > 0.0))
+        error->fix_error(FLERR, this, "the vector of gravity has no length: one of its components must not be 0");
+    for (double& a : gravity_) a *= g / length;
     withGravity_ = true;
 }
 

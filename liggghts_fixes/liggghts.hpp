@@ -24,6 +24,8 @@
 #include "pair_gran.h"
 #include "primitive_wall.h"
 
+#include "range.hpp"
+
 #include <cstring>
 
 namespace hotbed
@@ -37,6 +39,18 @@ inline LAMMPS_NS::Fix* anotherOfStyle(const LAMMPS_NS::Modify& modify, const LAM
         if (std::strcmp(modify.fix[i]->style, fix.style) == 0 && std::strcmp(modify.fix[i]->id, fix.id) != 0)
             return modify.fix[i];
     return nullptr;
+}
+
+/// The number that an argument of a fix holds; an error that names fix, keyword and range where it does not.
+inline double number(LAMMPS_NS::Error& error, LAMMPS_NS::Fix& fix, const std::string& keyword, const char* text,
+                     const Range& range, const char* unit)
+{
+    double value;
+    if (!range.read(text, value))
+        error.fix_error(
+            FLERR, &fix,
+            (keyword + " must be a number " + range.text() + " [" + unit + "], not '" + text + "'").c_str());
+    return value;
 }
 
 } // namespace hotbed

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <string>
 
 using namespace LAMMPS_NS;
 
@@ -23,15 +24,19 @@ constexpr int flagBits =
 
 std::vector<char*> withoutKeyword(LAMMPS& lmp, int narg, char** arg, bool& vectorised)
 {
-    Settings own(&lmp);
-    own.registerOnOff("vectorised", vectorised, true);
+    vectorised = true;
     std::vector<char*> others;
     for (int a = 0; a < narg; ++a)
     {
-        if (std::strcmp(arg[a], "vectorised") != 0 || a + 1 == narg)
+        if (std::strcmp(arg[a], "vectorised") != 0)
+        {
             others.push_back(arg[a]);
-        else if (!own.parseArguments(2, &arg[a++]))
-            lmp.error->all(FLERR, own.error_message.c_str());
+            continue;
+        }
+        const std::string value = ++a < narg ? arg[a] : "";
+        if (value != "on" && value != "off")
+            lmp.error->all(FLERR, ("vectorised must be on or off, not '" + value + "'").c_str());
+        vectorised = value == "on";
     }
     return others;
 }

@@ -35,7 +35,7 @@ BLOW_UPS = {
     "all particles at 2000 m/s": ([last("velocity all set 0 0 2000")], RUNAWAY),
     "a jet of 1e6 m/s": ([("0/U", r"inlet .*", "inlet { type fixedValue; value uniform (0 0 1e6); }")], RUNAWAY),
     "a jet of 1e200 m/s": ([("0/U", r"inlet .*", "inlet { type fixedValue; value uniform (0 0 1e200); }")], ("not finite", "boundary value")),
-    "particles at 1e7 K": ([(SCRIPT, r"363\.15", "1e7")], TEMPERATURE),
+    "particles at 1e7 K": ([(SCRIPT, r"363\.15", "1e7")], ("initial_temperature must be a number > 0",)),
     "particles at nan K": ([(SCRIPT, r"363\.15", "nan")], ("initial_temperature must be a number > 0",)),
     "a particle at -5 K": ([last("run 0\ngroup one id 7\nset group one property/atom Temp -5")], ("particle 7", *TEMPERATURE)),
     "gas at 0 K": ([("0/T", r"293\.15", "0")], TRAPPED),

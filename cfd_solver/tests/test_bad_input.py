@@ -16,20 +16,20 @@ CASES = {
     "missing drag": (PROPERTIES, r"^drag.*", "", ["drag", NAME]),
     "missing heatTransfer": (PROPERTIES, r"^heatTransfer.*", "", ["heatTransfer", NAME]),
     "misspelt key": (PROPERTIES, r"^kernelWidth", "kernelWitdh", ["unknown key 'kernelWitdh'", "kernelWidth", NAME]),
-    "unknown drag law": (PROPERTIES, r"Beetstra;", "Bestra;", ["unknown drag 'Bestra'", "Beetstra", NAME]),
-    "unknown heat law": (PROPERTIES, r"Gunn;", "Gun;", ["unknown heatTransfer 'Gun'", "Gunn", NAME]),
-    "unknown kernel": (PROPERTIES, r"Deen;", "Dean;", ["unknown kernel 'Dean'", "Deen", NAME]),
+    "unknown drag law": (PROPERTIES, r"Beetstra;", "Bestra;", ["drag must be one of", "Beetstra", NAME]),
+    "unknown heat law": (PROPERTIES, r"Gunn;", "Gun;", ["heatTransfer must be one of", "Gunn", NAME]),
+    "unknown kernel": (PROPERTIES, r"Deen;", "Dean;", ["kernel must be one of", "Deen", NAME]),
     "negative width": (PROPERTIES, r"kernelWidth.*", "kernelWidth -3;", ["kernelWidth must be a number > 0", NAME]),
     "zero width": (PROPERTIES, r"kernelWidth.*", "kernelWidth 0;", ["kernelWidth must be a number > 0", NAME]),
     "width is a word": (PROPERTIES, r"kernelWidth.*", "kernelWidth wide;", ["kernelWidth", NAME]),
     "two widths": (PROPERTIES, r"(kernelWidth.*)", r"\1\nwindowLength 1e-3;", ["kernelWidth and windowLength", NAME]),
     "negative window": (PROPERTIES, r"kernelWidth.*", "windowLength -1;", ["windowLength must be a number > 0", NAME]),
-    "no samples": (PROPERTIES, r"(kernelWidth.*)", r"\1\nkernelSamples 0;", ["kernelSamples must be from 1 to 16", NAME]),
+    "no samples": (PROPERTIES, r"(kernelWidth.*)", r"\1\nkernelSamples 0;", ["kernelSamples must be a whole number >= 1, <= 16", NAME]),
     "no interval": (PROPERTIES, r"^bedInterval.*", "bedInterval 0;", ["bedInterval must be a whole number", NAME]),
-    "unknown exchange": (PROPERTIES, r"(kernelWidth.*)", r"\1\nexchange explicit;", ["unknown exchange 'explicit'", "implicit", NAME]),
+    "unknown exchange": (PROPERTIES, r"(kernelWidth.*)", r"\1\nexchange explicit;", ["exchange must be one of", "implicit", NAME]),
     "gradient neither on nor off": (PROPERTIES, r"(kernelWidth.*)", r"\1\ntemperatureGradient maybe;", ["temperatureGradient"]),
-    "l of zero": ("settings", r"^l .*", "l 0;", ["ratio must be a number > 0, not '0'", SCRIPT]),
-    "negative l": ("settings", r"^l .*", "l -2;", ["ratio must be a number > 0, not '-2'", SCRIPT]),
+    "l of zero": ("settings", r"^l .*", "l 0;", ["ratio must be a number > 0, <= 1000 [-], not '0'", SCRIPT]),
+    "negative l": ("settings", r"^l .*", "l -2;", ["ratio must be a number > 0, <= 1000 [-], not '-2'", SCRIPT]),
     "l given twice": (SCRIPT, r"^(fix\s+cg .*)", r"\1\nfix again all hotbed/coarsegrain ratio 2",
                       ["given already, by fix cg", SCRIPT]),
     "no heat capacity": (SCRIPT, r"^fix\s+capacity.*", "", ["heat capacity is missing: add", "thermalCapacity", SCRIPT]),
@@ -75,7 +75,7 @@ class BadInput(CoupledTest):
                                     **({"l": -2 if "zero" in name else SMALL["l"]}))
                 code, log = self.solve(target, 2)
                 self.assertNotEqual(code, 0)
-                for text in expected if "zero" not in name else ["ratio must be a number > 0, not '-2'"]:
+                for text in expected if "zero" not in name else ["ratio must be a number > 0, <= 1000 [-], not '-2'"]:
                     self.assertIn(text, log)
 
     def test_headers_of_another_version(self):

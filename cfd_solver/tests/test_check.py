@@ -71,7 +71,7 @@ class Check(CoupledTest):
         case = self.folder / "case"
         copy(SLIM_BED, case)
         edit(case / "constant/couplingProperties", r"^drag .*", "drag Bestra;")
-        self.assertIn("unknown drag 'Bestra'", table(case)[1]["solver"].text)
+        self.assertIn("drag must be one of", table(case)[1]["solver"].text)
 
     def test_several_types_and_an_empty_domain(self):
         case = self.folder / "case"

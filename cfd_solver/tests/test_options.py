@@ -37,7 +37,7 @@ class LeftOut(CoupledTest):
 class OpenFoamControls(CoupledTest):
     def test_adjust_time_step_in_whole_dem_steps(self):
         target = self.scene(edits=[
-            ("system/controlDict", r"^deltaT.*", "deltaT $deltaT;\nadjustTimeStep yes;\nmaxCo 0.7;"),
+            ("system/controlDict", r"^deltaT.*", "deltaT $deltaT;\nadjustTimeStep yes;\nmaxCo 0.7;\nmaxDeltaT 1;"),
             ("DEM/in.fixed_bed", r"^timestep.*", "timestep 5e-4"),
             ("DEM/in.fixed_bed", r"^variable\s+every.*", "variable every equal 100")])
         code, log = self.solve(target)

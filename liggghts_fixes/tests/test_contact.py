@@ -127,7 +127,7 @@ class Contact(unittest.TestCase):
         self.assertNotIn("time steps, few", bed("")[1])
 
     def test_keyword(self):
-        with self.assertRaisesRegex(RuntimeError, "while parsing 'vectorised' argument"):
+        with self.assertRaisesRegex(RuntimeError, "vectorised must be on or off, not 'perhaps'"):
             bed("vectorised perhaps")
 
 

@@ -67,17 +67,17 @@ class Coarsegrain(unittest.TestCase):
 
     def test_errors_name_the_mend(self):
         for arguments, expected in {
-            "ratio 0": "ratio must be a number > 0, not '0'",
-            "ratio -2": "ratio must be a number > 0, not '-2'",
-            "ratio two": "ratio must be a number > 0, not 'two'",
-            "ratio nan": "ratio must be a number > 0, not 'nan'",
-            "ratio 2x": "ratio must be a number > 0, not '2x'",
+            "ratio 0": "ratio must be a number > 0, <= 1000 [-], not '0'",
+            "ratio -2": "ratio must be a number > 0, <= 1000 [-], not '-2'",
+            "ratio two": "ratio must be a number > 0, <= 1000 [-], not 'two'",
+            "ratio nan": "ratio must be a number > 0, <= 1000 [-], not 'nan'",
+            "ratio 2x": "ratio must be a number > 0, <= 1000 [-], not '2x'",
             "ratio": "keyword ratio wants a value",
             "ratio 2 ratio 2": "keyword ratio is given twice",
             "ratio 2 diametr 1e-3": "unknown keyword diametr; known are ratio, diameter",
             "diameter 1e-3": "keyword ratio is missing: add 'ratio L'",
             "ratio 2 restitution 0.9": "keyword restitution wants two values",
-            "ratio 2 restitution 1.2 0.5": "restitution must be in (0, 1]",
+            "ratio 2 restitution 1.2 0.5": "restitution must be a number > 0, <= 1 [-], not '1.2'",
             "ratio 2 diameter -1": "diameter must be a number > 0",
         }.items():
             with self.subTest(arguments):
@@ -107,8 +107,8 @@ class Heat(unittest.TestCase):
     def test_errors_name_the_mend(self):
         for script, expected in {
             BOX + HEAT + PARTICLE + "run 0\n": "heat capacity is missing: add 'fix ID all property/global thermalCapacity",
-            BOX + CAPACITY + HEAT.replace("363.15", "-1"): "initial_temperature must be a number > 0 in kelvin, not '-1'",
-            BOX + CAPACITY + HEAT.replace("363.15", "hot"): "initial_temperature must be a number > 0 in kelvin",
+            BOX + CAPACITY + HEAT.replace("363.15", "-1"): "initial_temperature must be a number > 0, <= 100000 [K], not '-1'",
+            BOX + CAPACITY + HEAT.replace("363.15", "hot"): "initial_temperature must be a number > 0, <= 100000 [K], not 'hot'",
             BOX + CAPACITY + HEAT.replace("initial_temperature", "T0"): "expecting 'initial_temperature T0'",
             BOX + CAPACITY + HEAT + HEAT.replace("fix heat", "fix more"): "held already by another fix",
             BOX + CAPACITY.replace("1500", "-5") + HEAT + PARTICLE + "run 0\n": "thermalCapacity must be > 0",
