@@ -7,6 +7,7 @@
 #include "gas.hpp"
 #include "restart.hpp"
 #include "settings.hpp"
+#include "version.hpp"
 #include "watch.hpp"
 
 #include "foamVersion.H"
@@ -96,10 +97,27 @@ void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
     runTime.setDeltaT(scalar(steps) * dem.timestep(), false);
 }
 
+/// Version of the library that is loaded, as Debian writes it.
+std::string openfoamVersion()
+{
+    return std::to_string(foamVersion::api) + "." + foamVersion::patch;
+}
+
+/// What runs here, each by its own word. MPI must be initialised.
+void printVersions()
+{
+    char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+    int length;
+    MPI_Get_library_version(mpi, &length);
+    Info << "Hotbed " << HOTBED_VERSION << nl << "    OpenFOAM          " << openfoamVersion().c_str() << nl
+         << "    LIGGGHTS          " << Dem::version(MPI_COMM_WORLD).c_str() << nl << "    MPI               " << mpi
+         << nl << endl;
+}
+
 /// The solver is compiled against the headers of one version of OpenFOAM and must run with that very library.
 void checkVersion()
 {
-    const std::string library = std::to_string(foamVersion::api) + "." + foamVersion::patch;
+    const std::string library = openfoamVersion();
     const std::string headers = HOTBED_OPENFOAM_HEADERS;
     if (headers.compare(0, library.size(), library) != 0)
         FatalErrorInFunction << "hotbedFoam is built with the headers of OpenFOAM " << headers.c_str()
@@ -110,12 +128,11 @@ void checkVersion()
 void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettings& settings)
 {
     const label particles = returnReduce(label(dem.size()), sumOp<label>());
-    Info << nl << "Hotbed " << HOTBED_VERSION << " with LIGGGHTS " << HOTBED_LIGGGHTS << " and OpenFOAM "
-         << HOTBED_OPENFOAM_HEADERS << nl << "    particles         " << particles
-         << " coarse, ratio l = " << dem.ratio() << ", stand for " << particles * std::pow(dem.ratio(), 3) << nl
-         << "    drag              " << (settings.drag ? settings.dragName : word("left out")) << nl
-         << "    heat transfer     " << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl
-         << "    particle motion   "
+    Info << nl << "Case" << nl;
+    Info << "    particles         " << particles << " coarse, ratio l = " << dem.ratio() << ", stand for "
+         << particles * std::pow(dem.ratio(), 3) << nl << "    drag              "
+         << (settings.drag ? settings.dragName : word("left out")) << nl << "    heat transfer     "
+         << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
          << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
@@ -157,7 +174,14 @@ void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, sc
 
 int main(int argc, char* argv[])
 {
+    if (argc == 2 && std::strcmp(argv[1], "-version") == 0)
+    {
+        MPI_Init(&argc, &argv);
+        printVersions();
+        return MPI_Finalize();
+    }
     enterCase(argc, argv);
+    argList::addBoolOption("version", "print the versions of Hotbed and of what it runs with");
     argList::addNote("Coarse-grained CFD-DEM with gas-particle heat transfer: LIGGGHTS particles in OpenFOAM gas.");
     argList::noCheckProcessorDirectories();
     Check::addOption();
@@ -169,6 +193,7 @@ int main(int argc, char* argv[])
         MPI_Init(&argc, &argv); // OpenFOAM does so for -parallel only, LIGGGHTS needs it always
         ownMpi = true;
     }
+    printVersions();
     const double start = MPI_Wtime();
     long steps = 0;
     scalar particleSteps = 0;

@@ -117,6 +117,13 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
 
 Dem::~Dem() = default;
 
+std::string Dem::version(MPI_Comm communicator)
+{
+    std::string words[] = {"hotbed", "-log", "none", "-screen", "none"};
+    char* arg[] = {&words[0][0], &words[1][0], &words[2][0], &words[3][0], &words[4][0]};
+    return LAMMPS(5, arg, communicator).universe->version;
+}
+
 std::vector<ContactTime> Dem::contacts()
 {
     LAMMPS& lmp = *instance_->lmp;

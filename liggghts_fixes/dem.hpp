@@ -27,6 +27,8 @@ public:
         const std::vector<std::pair<std::string, std::string>>& variables, const std::string& log);
     ~Dem();
 
+    static std::string version(MPI_Comm communicator); ///< LIGGGHTS' own words
+
     /// How well the DEM step resolves the contacts, before the set-up of a run refuses it; empty without particles and
     /// without pair_style gran model hotbed.
     std::vector<ContactTime> contacts();

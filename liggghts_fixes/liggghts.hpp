@@ -17,6 +17,7 @@
 #include "neighbor.h"
 #include "output.h"
 #include "timer.h"
+#include "universe.h"
 #include "update.h"
 #include "write_restart.h"
 #include "fix_wall_gran.h"
