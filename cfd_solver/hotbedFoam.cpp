@@ -103,15 +103,14 @@ std::string openfoamVersion()
     return std::to_string(foamVersion::api) + "." + foamVersion::patch;
 }
 
-/// What runs here, each by its own word. MPI must be initialised.
-void printVersions()
+/// What runs here, each by its own word.
+void printVersions(const Dem& dem)
 {
     char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
     int length;
     MPI_Get_library_version(mpi, &length);
     Info << "Hotbed " << HOTBED_VERSION << nl << "    OpenFOAM          " << openfoamVersion().c_str() << nl
-         << "    LIGGGHTS          " << Dem::version(MPI_COMM_WORLD).c_str() << nl << "    MPI               " << mpi
-         << nl << endl;
+         << "    LIGGGHTS          " << dem.version().c_str() << nl << "    MPI               " << mpi << nl << endl;
 }
 
 /// The solver is compiled against the headers of one version of OpenFOAM and must run with that very library.
@@ -177,7 +176,7 @@ int main(int argc, char* argv[])
     if (argc == 2 && std::strcmp(argv[1], "-version") == 0)
     {
         MPI_Init(&argc, &argv);
-        printVersions();
+        printVersions(Dem(MPI_COMM_WORLD, "/dev/null"));
         return MPI_Finalize();
     }
     enterCase(argc, argv);
@@ -193,13 +192,22 @@ int main(int argc, char* argv[])
         MPI_Init(&argc, &argv); // OpenFOAM does so for -parallel only, LIGGGHTS needs it always
         ownMpi = true;
     }
-    printVersions();
     const double start = MPI_Wtime();
     long steps = 0;
     scalar particleSteps = 0;
     Check check(args);
     int stopped = 0;
     {
+        std::unique_ptr<Dem> dem;
+        try
+        {
+            dem = std::make_unique<Dem>(MPI_COMM_WORLD, "log.liggghts");
+        }
+        catch (const std::exception& problem)
+        {
+            FatalErrorInFunction << problem.what() << exit(FatalError);
+        }
+        printVersions(*dem);
         checkVersion();
         Watch::trapFloatingPoint();
         Restart::setAsideUnfinished(args.globalPath());
@@ -207,14 +215,13 @@ int main(int argc, char* argv[])
         Restart restart(runTime);
         const CouplingSettings settings(runTime);
         Timing timing;
-        std::unique_ptr<Dem> dem;
         try
         {
             const auto time = timing.measure("DEM set-up");
             auto variables = readSettings(runTime);
             variables.emplace_back("resume", restart.resumed() ? "1" : "0");
             variables.emplace_back("restart", restart.particles());
-            dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, variables, "log.liggghts");
+            dem->read(settings.demScript, variables);
             check.particles(*dem);
             demSteps(runTime, *dem, settings.demScript);
             restart.compare(*dem, settings.demScript);

@@ -19,6 +19,7 @@
 #include "timer.h"
 #include "universe.h"
 #include "update.h"
+#include "variable.h"
 #include "write_restart.h"
 #include "fix_wall_gran.h"
 #include "neigh_list.h"
