@@ -39,7 +39,7 @@ def measure(case, changes, ranks, seconds, full=False):
                     "writeInterval")}
         command = [str(hotbed.SOLVER), "-case", str(target), "-check", str(seconds)]
         if ranks > 1:
-            command = ["mpirun", "-np", str(ranks), *command, "-parallel"]
+            command = [*hotbed.mpirun(ranks), *command, "-parallel"]
         done = subprocess.run(command, cwd=target, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                               errors="replace", env=hotbed.environment())
         log = done.stdout.replace(str(target), str(case))

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import paraview
 
+COMMAND = os.environ.get("HOTBED_COMMAND", "./hotbed")  # as messages call it
+
 
 class Stopped(BaseException):
     """Ctrl-C, SIGTERM or the end of the terminal. @param number of the signal"""
@@ -93,7 +95,7 @@ def stop(process, run, number, log="log.hotbedFoam"):
         process.wait()
     found = re.findall(r"(?m)^Stopped by signal \d+ at (\S+) s, (restart|fields) written", ending(Path(run) / log))
     words = [word for word in sys.argv[1:] if word not in ("--overwrite", "--restart")]
-    again = f"go on with: ./hotbed run {' '.join(words)} --restart"
+    again = f"go on with: {COMMAND} run {' '.join(words)} --restart"
     if found:
         print(f"stopped at {found[-1][0]} s, {found[-1][1]} written" + (f"; {again}" if found[-1][1] == "restart" else ""))
     elif any(Path(run).glob("restart/*/state")):

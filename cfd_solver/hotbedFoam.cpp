@@ -7,6 +7,7 @@
 #include "gas.hpp"
 #include "restart.hpp"
 #include "settings.hpp"
+#include "version.hpp"
 #include "watch.hpp"
 
 #include "foamVersion.H"
@@ -97,10 +98,26 @@ void adjustTimeStep(Time& runTime, const Dem& dem, scalar Courant)
     runTime.setDeltaT(scalar(steps) * dem.timestep(), false);
 }
 
+/// Version of the library that is loaded, as Debian writes it.
+std::string openfoamVersion()
+{
+    return std::to_string(foamVersion::api) + "." + foamVersion::patch;
+}
+
+/// What runs here, each by its own word.
+void printVersions(const Dem& dem)
+{
+    char mpi[MPI_MAX_LIBRARY_VERSION_STRING];
+    int length;
+    MPI_Get_library_version(mpi, &length);
+    Info << "Hotbed " << HOTBED_VERSION << nl << "    OpenFOAM          " << openfoamVersion().c_str() << nl
+         << "    LIGGGHTS          " << dem.version().c_str() << nl << "    MPI               " << mpi << nl << endl;
+}
+
 /// The solver is compiled against the headers of one version of OpenFOAM and must run with that very library.
 void checkVersion()
 {
-    const std::string library = std::to_string(foamVersion::api) + "." + foamVersion::patch;
+    const std::string library = openfoamVersion();
     const std::string headers = HOTBED_OPENFOAM_HEADERS;
     if (headers.compare(0, library.size(), library) != 0)
         FatalErrorInFunction << "hotbedFoam is built with the headers of OpenFOAM " << headers.c_str()
@@ -111,12 +128,11 @@ void checkVersion()
 void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettings& settings)
 {
     const label particles = returnReduce(label(dem.size()), sumOp<label>());
-    Info << nl << "Hotbed " << HOTBED_VERSION << " with LIGGGHTS " << HOTBED_LIGGGHTS << " and OpenFOAM "
-         << HOTBED_OPENFOAM_HEADERS << nl << "    particles         " << particles
-         << " coarse, ratio l = " << dem.ratio() << ", stand for " << particles * std::pow(dem.ratio(), 3) << nl
-         << "    drag              " << (settings.drag ? settings.dragName : word("left out")) << nl
-         << "    heat transfer     " << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl
-         << "    particle motion   "
+    Info << nl << "Case" << nl;
+    Info << "    particles         " << particles << " coarse, ratio l = " << dem.ratio() << ", stand for "
+         << particles * std::pow(dem.ratio(), 3) << nl << "    drag              "
+         << (settings.drag ? settings.dragName : word("left out")) << nl << "    heat transfer     "
+         << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
          << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
@@ -158,7 +174,14 @@ void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, sc
 
 int main(int argc, char* argv[])
 {
+    if (argc == 2 && std::strcmp(argv[1], "-version") == 0)
+    {
+        MPI_Init(&argc, &argv);
+        printVersions(Dem(MPI_COMM_WORLD, "/dev/null"));
+        return MPI_Finalize();
+    }
     enterCase(argc, argv);
+    argList::addBoolOption("version", "print the versions of Hotbed and of what it runs with");
     argList::addNote("Coarse-grained CFD-DEM with gas-particle heat transfer: LIGGGHTS particles in OpenFOAM gas.");
     argList::noCheckProcessorDirectories();
     Check::addOption();
@@ -176,6 +199,16 @@ int main(int argc, char* argv[])
     Check check(args);
     int stopped = 0;
     {
+        std::unique_ptr<Dem> dem;
+        try
+        {
+            dem = std::make_unique<Dem>(MPI_COMM_WORLD, "log.liggghts");
+        }
+        catch (const std::exception& problem)
+        {
+            FatalErrorInFunction << problem.what() << exit(FatalError);
+        }
+        printVersions(*dem);
         checkVersion();
         Watch::trapFloatingPoint();
         Restart::setAsideUnfinished(args.globalPath());
@@ -184,14 +217,13 @@ int main(int argc, char* argv[])
         const CouplingSettings settings(runTime);
         const StepSettings stepSettings(runTime);
         Timing timing;
-        std::unique_ptr<Dem> dem;
         try
         {
             const auto time = timing.measure("DEM set-up");
             auto variables = readSettings(runTime);
             variables.emplace_back("resume", restart.resumed() ? "1" : "0");
             variables.emplace_back("restart", restart.particles());
-            dem = std::make_unique<Dem>(MPI_COMM_WORLD, settings.demScript, variables, "log.liggghts");
+            dem->read(settings.demScript, variables);
             check.particles(*dem);
             demSteps(runTime, *dem, settings.demScript);
             if (stepSettings.adjust && stepSettings.maxDeltaT < dem->timestep())

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import run as hotbed
+from follow import COMMAND
 
 EXAMPLE = hotbed.ROOT / "examples" / "slim_bed"
 GRAVITY = 9.81
@@ -157,14 +158,14 @@ def main():
             raise hotbed.CaseError("--restitution must be at most 1")
         if options.friction < 0:
             raise hotbed.CaseError("--friction must be at least 0")
-        settings = write(options, " ".join(["./hotbed new", *sys.argv[1:]]))
+        settings = write(options, " ".join([f"{COMMAND} new", *sys.argv[1:]]))
     except hotbed.CaseError as problem:
         sys.exit(f"hotbed: {problem}")
     count = settings["solids"] / (math.pi / 6 * (settings["l"] * options.diameter) ** 3)
     print(f"{options.name}: {count:,.0f} coarse particles, l = {settings['l']:g}, kn = {settings['kn']:g} N/m, "
           f"DEM step {settings['deltaTDEM']:g} s, {settings['cellsWidth']} x {settings['cellsDepth']} x {settings['cellsHeight']} "
           f"cells; numbers to change in {options.name}/settings\n"
-          f"next: ./hotbed check {options.name}, then ./hotbed run {options.name}")
+          f"next: {COMMAND} check {options.name}, then {COMMAND} run {options.name}")
 
 
 if __name__ == "__main__":

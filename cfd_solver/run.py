@@ -13,8 +13,8 @@ import paraview
 from follow import Stopped, ending, progress, stop
 
 ROOT = Path(__file__).resolve().parent.parent
-BUILD = Path(os.environ.get("HOTBED_BUILD", ROOT / "build"))
-SOLVER = BUILD / "cfd_solver" / "hotbedFoam"
+INSTALLED = not (ROOT / "CMakeLists.txt").is_file()  # in PREFIX/share/hotbed
+SOLVER = (ROOT.parents[1] / "bin" if INSTALLED else Path(os.environ.get("HOTBED_BUILD", ROOT / "build")) / "cfd_solver") / "hotbedFoam"
 
 
 class CaseError(Exception):
@@ -22,17 +22,18 @@ class CaseError(Exception):
 
 
 def environment():
-    """Environment of OpenFOAM's programs and of mpirun, which refuses root and more ranks than cores otherwise."""
-    return dict(
-        os.environ,
-        WM_PROJECT_DIR="/usr/share/openfoam",
-        OMPI_ALLOW_RUN_AS_ROOT="1",
-        OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-        OMPI_MCA_rmaps_base_oversubscribe="1",
-        OMPI_MCA_hwloc_base_binding_policy="none",
-        OMPI_MCA_mpi_yield_when_idle="1",
-        OMPI_MCA_btl_vader_single_copy_mechanism="none",
-    )
+    """Environment of OpenFOAM's programs and of mpirun, which refuses root and more ranks than cores otherwise. What the
+    user has set for Open MPI stands."""
+    return {
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
+        "OMPI_MCA_mpi_yield_when_idle": "1",
+        "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+        **os.environ,
+        "WM_PROJECT_DIR": "/usr/share/openfoam",
+    }
 
 
 ENTRY = r"(?m)^(\s*)({})(\s+)([^;]+);"
@@ -204,11 +205,16 @@ def keep(log):
         log.rename(f"{log}.{number}")
 
 
+def mpirun(ranks):
+    """The start of a command for a number of ranks, on the hosts that Open MPI is told of."""
+    return ["mpirun", "-np", str(ranks), "-x", "WM_PROJECT_DIR"]
+
+
 def start(run, ranks=1, log="log.hotbedFoam", own_session=False):
     """Starts the solver in a prepared case. @param own_session  Ctrl-C does not reach it. @return subprocess.Popen"""
     command = [str(SOLVER), "-case", str(Path(run).resolve())]
     if ranks > 1:
-        command = ["mpirun", "-np", str(ranks), *command, "-parallel"]
+        command = [*mpirun(ranks), *command, "-parallel"]
     for name in (log, "log.liggghts"):
         keep(Path(run) / name)
     with open(Path(run) / log, "w") as out:

@@ -95,20 +95,25 @@ struct Dem::Instance
     }
 };
 
-Dem::Dem(MPI_Comm communicator, const std::string& script,
-         const std::vector<std::pair<std::string, std::string>>& variables, const std::string& log)
-    : instance_(new Instance)
+Dem::Dem(MPI_Comm communicator, const std::string& log) : instance_(new Instance)
 {
-    if (!std::ifstream(script)) throw std::runtime_error("cannot read the DEM script '" + script + "'");
-
     if (!std::ofstream(log, std::ios::app)) // LIGGGHTS, without a screen yet, could not say so
         throw std::runtime_error("cannot write '" + log + "': " + std::strerror(errno));
 
     std::vector<std::string> words = {"hotbed", "-log", log, "-screen", "none"};
-    for (const auto& variable : variables) words.insert(words.end(), {"-var", variable.first, variable.second});
     std::vector<char*> arg;
     for (std::string& word : words) arg.push_back(&word[0]);
     instance_->lmp.reset(new LAMMPS(int(arg.size()), arg.data(), communicator));
+}
+
+std::string Dem::version() const
+{
+    return instance_->lmp->universe->version;
+}
+
+void Dem::read(const std::string& script, const std::vector<std::pair<std::string, std::string>>& variables)
+{
+    if (!std::ifstream(script)) throw std::runtime_error("cannot read the DEM script '" + script + "'");
 
     instance_->errors.script = script;
     cookie_io_functions_t io = {};
@@ -117,6 +122,11 @@ Dem::Dem(MPI_Comm communicator, const std::string& script,
     std::setvbuf(screen, nullptr, _IONBF, 0);
     LAMMPS& lmp = *instance_->lmp;
     lmp.screen = screen;
+    for (auto [name, value] : variables)
+    {
+        char* words[] = {&value[0]};
+        lmp.input->variable->set(&name[0], 1, words); // as -var does
+    }
     instance_->errors.reading = &lmp;
     lmp.input->file(script.c_str());
     instance_->errors.reading = nullptr;

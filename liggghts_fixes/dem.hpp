@@ -19,13 +19,17 @@ namespace hotbed
 class __attribute__((visibility("default"))) Dem
 {
 public:
-    /// Runs the script.
+    /// LIGGGHTS without particles. Two in a process are more than LIGGGHTS is made for.
+    /// @param log  path of the log file LIGGGHTS writes
+    Dem(MPI_Comm communicator, const std::string& log);
+    ~Dem();
+
+    std::string version() const; ///< in LIGGGHTS' own words
+
+    /// Runs the script, once.
     /// @param script     path of the input script
     /// @param variables  index variables set before the script (LIGGGHTS' -var name value)
-    /// @param log        path of the log file LIGGGHTS writes
-    Dem(MPI_Comm communicator, const std::string& script,
-        const std::vector<std::pair<std::string, std::string>>& variables, const std::string& log);
-    ~Dem();
+    void read(const std::string& script, const std::vector<std::pair<std::string, std::string>>& variables);
 
     /// How well the DEM step resolves the contacts, before the set-up of a run refuses it; empty without particles and
     /// without pair_style gran model hotbed.

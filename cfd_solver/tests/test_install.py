@@ -1,0 +1,55 @@
+"""An installed Hotbed, moved away from where it was put: runs an example as the built one does, and knows that it is installed."""
+
+import os
+import subprocess
+import unittest
+
+from scenes import CoupledTest, ROOT, SLIM_BED, run
+from fault_scenes import SMALL
+
+
+class Install(CoupledTest):
+    example = SLIM_BED
+
+    def setUp(self):
+        super().setUp()
+        first, self.prefix = self.folder / "first", self.folder / "moved"
+        build = os.environ.get("HOTBED_BUILD", ROOT / "build")
+        subprocess.run(["cmake", "--install", build, "--prefix", first], check=True, stdout=subprocess.DEVNULL)
+        first.rename(self.prefix)
+
+    def hotbed(self, *words):
+        """The installed command in the test's folder, with an environment of its own."""
+        path = {"PATH": "/usr/bin:/bin"}
+        return subprocess.run([self.prefix / "bin/hotbed", *words], cwd=self.folder, env=path, capture_output=True, text=True)
+
+    def test_runs_an_example_as_the_built_one(self):
+        settings = {**SMALL, "endTime": "0.002", "writeInterval": "0.002"}
+        done = self.hotbed("run", self.prefix / "share/hotbed/examples/slim_bed", "--set",
+                           *(f"{name}={value}" for name, value in settings.items()))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        installed, = (self.folder / "results/slim_bed").iterdir()
+        self.assertTrue((installed / "temperature.png").is_file())
+        built = self.scene("built", **settings)
+        self.assertEqual(self.solve(built)[0], 0)
+        self.assertEqual(*((folder / "0.002/T").read_text() for folder in (installed, built)))
+        head = (installed / "log.hotbedFoam").read_text().split("Case\n")[0]
+        self.assertIn(str(self.prefix), head)
+        for name in ("Hotbed 0.", "OpenFOAM          1912.", "LIGGGHTS-PUBLIC 3.", "Open MPI v"):
+            self.assertIn(name, head)
+        self.assertEqual(list(self.prefix.rglob("__pycache__")), [])
+
+    def test_verbs_of_the_source_tree(self):
+        for verb in ("test", "validate", "bench"):
+            done = self.hotbed(verb)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("needs the source tree", done.stderr)
+
+    def test_version(self):
+        done = self.hotbed("--version")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"^Hotbed \d+\.\d+\.\d+")
+
+
+if __name__ == "__main__":
+    unittest.main()
