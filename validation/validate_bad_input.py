@@ -8,6 +8,7 @@ in the words of the table. Scene: the slim bed with 269 particles in 768 cells, 
 """
 
 import argparse
+import os
 import re
 import shutil
 import sys
@@ -154,6 +155,7 @@ def main():
     parser.add_argument("--quick", action="store_true", help="every fifth try")
     parser.add_argument("--only", default="", metavar="TEXT", help="tries whose name holds TEXT")
     options = parser.parse_args()
+    os.environ["OMPI_MCA_ess_singleton_isolated"] = "1"  # Open MPI starts no daemon for a run on one rank
     figures = results.Figures("bad_input")
     with tempfile.TemporaryDirectory(prefix="hotbed-bad-input-") as folder:
         base = scene(Path(folder))
