@@ -132,7 +132,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
     const char* const scriptIs = "the LIGGGHTS script, its path from the case in quotes";
     demScript = read(dict, "demScript", scriptIs, [&] { return dict.get<fileName>("demScript"); });
     if (!isFile(demScript))
-        FatalIOErrorInFunction(dict) << "cannot read the DEM script '" << demScript << "': demScript must be "
+        FatalIOErrorInFunction(dict) << "cannot read the DEM script '" << demScript.c_str() << "': demScript must be "
                                      << scriptIs << exit(FatalIOError);
     const HashTable<DragLaw> drags({{"Beetstra", beetstra}, {"ErgunWenYu", ergunWenYu}, {"none", nullptr}});
     dragName = choice(dict, "drag", drags.sortedToc());
