@@ -4,7 +4,7 @@ import os
 import subprocess
 import unittest
 
-from scenes import CoupledTest, ROOT, SLIM_BED, run
+from scenes import CoupledTest, ROOT, SLIM_BED
 from fault_scenes import SMALL
 
 
