@@ -25,7 +25,7 @@ def main():
     ratios, end, start = (("2.5", "2"), 0.25, 0.1) if options.quick else (("2.5", "2", "1.5"), 1.5, 0.2)
     runs = campaign.run_all(CASE, folder, [{"l": l, "endTime": f"{end}", "writeInterval": "0.05"} for l in ratios])
     for run in runs:
-        report(figures, run, start)
+        report(figures, run, start, plateau=not options.quick)
     beds = [results.bed(run) for run in runs]
     nusselt = [campaign.mean(bed, "Nu_mean", start, end) for bed in beds]
     for l, bed, (value, error) in list(zip(ratios, beds, nusselt))[1:]:
