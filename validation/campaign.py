@@ -1,4 +1,4 @@
-"""Long runs that a session of work need not hold: each goes on from its last restart where it was stopped."""
+"""Long runs in pieces: each goes on from its last restart where it was stopped."""
 
 import sys
 import re

@@ -9,7 +9,7 @@
   Re of hundreds.
 
 The deviations are those of Beetstra's drag law, the packing and the code together; none has been fitted.
-`./hotbed validate experiments [--quick]`: 20 minutes; --quick: fewer velocities, shorter."""
+`./hotbed validate experiments [--quick]`: some minutes; --quick: fewer velocities, shorter, 40 s."""
 
 import argparse
 import sys
