@@ -72,11 +72,11 @@ def relaxation(diameter, density, viscosity, u0, voidage=0.45):
     return density * diameter**2 / (18 * viscosity * voidage * beetstra(voidage, max(reynolds, 1e-9)))
 
 
-def minimum_fluidisation(diameter, density=DENSITY, viscosity=VISCOSITY, fluid=GAS_DENSITY):
+def minimum_fluidisation(diameter, density=DENSITY, viscosity=VISCOSITY):
     """Wen and Yu [m/s]."""
-    archimedes = fluid * (density - fluid) * GRAVITY * diameter**3 / viscosity**2
+    archimedes = GAS_DENSITY * (density - GAS_DENSITY) * GRAVITY * diameter**3 / viscosity**2
     reynolds = archimedes * 0.0408 / (33.7 + np.sqrt(33.7**2 + 0.0408 * archimedes))
-    return reynolds * viscosity / (fluid * diameter)
+    return reynolds * viscosity / (GAS_DENSITY * diameter)
 
 
 U_MF = minimum_fluidisation(DIAMETER)
