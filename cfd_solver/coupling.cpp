@@ -29,6 +29,12 @@ bool cellBox(const fvMesh& mesh, label c, Box& box)
 
 constexpr double hottest = 1e5; // [K], beyond it something is wrong
 
+/// n of the kernel of a coarse particle [m]
+double halfWidth(const CouplingSettings& settings, double radius)
+{
+    return 0.5 * (settings.windowLength > 0 ? settings.windowLength : settings.kernelWidth * 2.0 * radius);
+}
+
 /// whole cache lines, where it is more than one value
 int padded(int fields)
 {
@@ -71,9 +77,7 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
     }
     Info << "Mapping: cells of any shape, through a lattice of about " << settings.kernelSamples << "^3 boxes a cell"
          << nl;
-    return latticeOver(
-        mesh_, settings.kernelSamples,
-        0.5 * (settings.windowLength > 0 ? settings.windowLength : settings.kernelWidth * 2.0 * dem_.largestRadius()));
+    return latticeOver(mesh_, settings.kernelSamples, halfWidth(settings, dem_.largestRadius()));
 }
 
 void Coupling::refuseOutside() const
@@ -110,8 +114,7 @@ void Coupling::map()
         const double* radius = dem_.radius();
         for (int i = 0; i < n; ++i)
         {
-            halfWidth_[i] =
-                0.5 * (settings_.windowLength > 0 ? settings_.windowLength : settings_.kernelWidth * 2.0 * radius[i]);
+            halfWidth_[i] = halfWidth(settings_, radius[i]);
             widest_ = std::max(widest_, halfWidth_[i]);
         }
         inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
@@ -136,11 +139,9 @@ void Coupling::map()
     for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
-    {
         FatalErrorInFunction << "the voidage of a cell is " << least << ": the particles overlap too much, or "
                              << "the kernel is too narrow for the cells (set a larger kernelWidth in "
                              << "constant/couplingProperties)" << exit(FatalError);
-    }
     voidage.correctBoundaryConditions();
     mapped_ = true;
 }
