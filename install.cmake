@@ -12,7 +12,7 @@ install(DIRECTORY cfd_solver DESTINATION ${tree} FILES_MATCHING PATTERN "*.py" P
 install(DIRECTORY examples docs DESTINATION ${tree} PATTERN __pycache__ EXCLUDE)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${tree})
 # what pictures and reports are made with
-foreach(script campaign report report_errors report_page results schumann)
+foreach(script campaign report report_errors report_page report_run report_run_page results schumann)
   install(FILES validation/${script}.py DESTINATION ${tree}/validation)
 endforeach()
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)

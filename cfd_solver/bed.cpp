@@ -14,14 +14,20 @@ using namespace Foam;
 namespace hotbed
 {
 
-Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas& gas, int interval)
-    : runTime_(mesh.time()), coupling_(coupling), dem_(dem), gas_(gas), interval_(interval)
+Column::Column(const fvMesh& mesh)
 {
     const vector g = mesh.lookupObject<uniformDimensionedVectorField>("g").value();
-    up_ = mag(g) > 0 ? vector(-g / mag(g)) : vector(0, 0, 1);
-    const scalarField along(mesh.points() & up_);
-    low_ = gMin(along);
-    extent_ = gMax(along) - low_;
+    gravity = mag(g);
+    up = gravity > 0 ? vector(-g / gravity) : vector(0, 0, 1);
+    const scalarField along(mesh.points() & up);
+    low = gMin(along);
+    height = gMax(along) - low;
+    section = gSum(mesh.V()) / height;
+}
+
+Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas& gas, int interval)
+    : runTime_(mesh.time()), coupling_(coupling), dem_(dem), gas_(gas), interval_(interval), column_(mesh)
+{
     if (coupling_.heat())
     {
         gasEnergyAtStart_ = gasEnergy_ = gas_.energyContent();
@@ -36,7 +42,7 @@ Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas
     csv_.open(csvPath_);
     if (!csv_) cannotWrite(csvPath_, errno);
     csv_ << "time_s,particles,pressure_drop_Pa,mismatch";
-    if (dem_.moving()) csv_ << ",z_mean_m,height_m,overlap_max";
+    if (dem_.moving()) csv_ << ",z_mean_m,height_m,weight_Pa,overlap_max";
     if (coupling_.heat())
         csv_ << ",T_mean_K,T_min_K,T_max_K,Nu_mean,gas_T_min_K,gas_T_max_K,gas_energy_J,particle_energy_J,inflow_J,"
                 "carried_J,exchanged_J,budget_error";
@@ -119,9 +125,9 @@ void Bed::heights(double& mean, double& height) const
     for (int i = 0; i < dem_.size(); ++i)
     {
         const double* x = dem_.position()[i];
-        const double z = (vector(x[0], x[1], x[2]) & up_) - low_;
+        const double z = (vector(x[0], x[1], x[2]) & column_.up) - column_.low;
         const double ball = std::pow(dem_.radius()[i], 3);
-        volume[std::clamp(int(z / extent_ * layers), 0, layers - 1)] += ball;
+        volume[std::clamp(int(z / column_.height * layers), 0, layers - 1)] += ball;
         volume[layers] += ball * z;
     }
     Pstream::listCombineGather(volume, plusEqOp<double>());
@@ -133,7 +139,14 @@ void Bed::heights(double& mean, double& height) const
     double above = 0.01 * total; // what lies above the height
     int layer = layers - 1;
     while (volume[layer] < above) above -= volume[layer--];
-    height = (layer + 1 - above / volume[layer]) * extent_ / layers;
+    height = (layer + 1 - above / volume[layer]) * column_.height / layers;
+}
+
+double Bed::weight() const
+{
+    double mass = 0;
+    for (int i = 0; i < dem_.size(); ++i) mass += dem_.mass()[i];
+    return returnReduce(mass, sumOp<double>()) * column_.gravity / column_.section;
 }
 
 double Bed::largestOverlap() const
@@ -166,8 +179,8 @@ void Bed::line()
     {
         double mean = 0, height = 0;
         heights(mean, height);
-        const double overlap = largestOverlap();
-        if (csv_.is_open()) csv_ << ',' << mean << ',' << height << ',' << overlap;
+        const double weight = this->weight(), overlap = largestOverlap();
+        if (csv_.is_open()) csv_ << ',' << mean << ',' << height << ',' << weight << ',' << overlap;
     }
     if (coupling_.heat())
     {

@@ -7,6 +7,17 @@
 namespace hotbed
 {
 
+/// The mesh as a column that stands against gravity (constant/g; along z where it is zero).
+struct Column
+{
+    explicit Column(const Foam::fvMesh& mesh);
+
+    Foam::scalar gravity; ///< [m/s2]
+    Foam::vector up;
+    Foam::scalar low, height; ///< lowest point and extent along `up` [m]
+    Foam::scalar section;     ///< volume over height [m2]
+};
+
 /// Bed quantities and the energy budget in time, as postProcessing/hotbed/<start>/bed.csv and at the end of the log.
 class Bed
 {
@@ -35,17 +46,17 @@ private:
     void line();
     double largestOverlap() const; ///< of all ranks; one that is too large ends the run with the particle's name
     void heights(double& mean, double& height) const;
+    double weight() const; ///< of the particles, over the cross-section [Pa]
 
     const Foam::Time& runTime_;
     const Coupling& coupling_;
     const Dem& dem_;
     const Gas& gas_;
     const int interval_;
-    Foam::label particles_ = 0;   ///< at the last line
-    bool warned_ = false;         ///< of particles that are gone
-    bool recorded_ = true;        ///< the last step has its line
-    Foam::vector up_;             ///< against gravity
-    double low_ = 0, extent_ = 0; ///< of the mesh along up_ [m]
+    const Column column_;
+    Foam::label particles_ = 0; ///< at the last line
+    bool warned_ = false;       ///< of particles that are gone
+    bool recorded_ = true;      ///< the last step has its line
     Foam::fileName csvPath_;
     std::ofstream csv_;
 

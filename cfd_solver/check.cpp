@@ -1,5 +1,6 @@
 #include "check.hpp"
 
+#include "bed.hpp"
 #include "fluidisation.hpp"
 
 #include <sys/resource.h>
@@ -71,17 +72,14 @@ void Check::particles(Dem& dem) const
 void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem& dem, Gas& gas) const
 {
     if (!on_) return;
-    const vector g = mesh.lookupObject<uniformDimensionedVectorField>("g").value();
-    const vector up = mag(g) > 0 ? vector(-g / mag(g)) : vector(0, 0, 1);
+    const Column column(mesh);
     const scalar volume = gSum(mesh.V());
-    const scalarField along(mesh.points() & up);
-    const scalar section = volume / (gMax(along) - gMin(along));
 
     vector cell(GREAT, GREAT, GREAT); // smallest extents
     for (label c = 0; c < mesh.nCells(); ++c)
         cell = min(cell, boundBox(mesh.points(), mesh.cellPoints()[c], false).span());
     reduce(cell, minOp<vector>());
-    const label up3 = mag(up.x()) > 0.7 ? 0 : mag(up.y()) > 0.7 ? 1 : 2;
+    const label up3 = mag(column.up.x()) > 0.7 ? 0 : mag(column.up.y()) > 0.7 ? 1 : 2;
     scalar kernel = 0, mass = 0, solids = 0, weight = 0, capacity = 0, heat = 0, bed = 0, surface = 0;
     const bool heated = settings.heatTransfer && dem.heat();
     for (int i = 0; i < dem.size(); ++i)
@@ -109,13 +107,13 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
     { return gSum(scalarField(field.primitiveField() * mesh.V())) / volume; };
     const scalar density = mean(gas.thermo().rho()()), viscosity = mean(gas.thermo().mu()()),
                  conductivity = mean(gas.thermo().kappa()()), capacityOfGas = mean(gas.thermo().Cp()());
-    const scalar u0 = gas.inflow() / section;
+    const scalar u0 = gas.inflow() / column.section;
     fact("cells", returnReduce(mesh.nCells(), sumOp<label>()));
     fact("cell", cmptMin(cell), cell[up3]); // smallest extent of all, along gravity
     fact("domain", cmptMin(mesh.bounds().span()));
-    fact("section", section);
+    fact("section", column.section);
     fact("kernel", largest(kernel));
-    fact("gravity", mag(g));
+    fact("gravity", column.gravity);
     fact("voidage", voidage, gMin(gas.voidage().primitiveField()));
     fact("gas", density, viscosity, conductivity, capacityOfGas, mean(gas.T()));
     fact("u0", u0);
@@ -135,11 +133,11 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
         settings.drag(1, &voidage, &reynolds, &beta);
         const double drag = dragCoefficient(beta, viscosity, voidage, d, 1.0);
         fact("dragTime", mass / number / drag, density * gasShare / (number * drag)); // of a particle, of the gas
-        fact("minimumFluidisation", carryingVelocity(settings.drag, suspension, packed, mag(g)),
-             wenYuMinimumFluidisation(suspension, mag(g)), packed);
-        fact("terminal", carryingVelocity(settings.drag, suspension, 1.0, mag(g)));
-        fact("fixedBedDrop",
-             bedPressureGradient(settings.drag, suspension, voidage, mag(u0)) * solids / (1 - voidage) / section);
+        fact("minimumFluidisation", carryingVelocity(settings.drag, suspension, packed, column.gravity),
+             wenYuMinimumFluidisation(suspension, column.gravity), packed);
+        fact("terminal", carryingVelocity(settings.drag, suspension, 1.0, column.gravity));
+        fact("fixedBedDrop", bedPressureGradient(settings.drag, suspension, voidage, mag(u0)) * solids / (1 - voidage) /
+                                 column.section);
     }
     if (!heated) return;
     const double prandtl = viscosity * capacityOfGas / conductivity;

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import paraview
-from follow import Stopped, ending, progress, stop
+from follow import COMMAND, Stopped, ending, progress, stop
 
 ROOT = Path(__file__).resolve().parent.parent
 INSTALLED = not (ROOT / "CMakeLists.txt").is_file()  # in PREFIX/share/hotbed
@@ -313,6 +313,7 @@ def main():
         if (case / "plot.py").is_file():
             pictures = {**os.environ, "PYTHONPATH": str(ROOT / "examples")}  # for a copied case too
             subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)], env=pictures)
+        print(f"a page of it: {COMMAND} report {run}")
     except CaseError as problem:
         sys.exit(f"hotbed: {problem}")
     except OSError as problem:

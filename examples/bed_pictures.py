@@ -121,8 +121,6 @@ def configurations(runs, times, quantity):
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
     figure.colorbar(circles, ax=axes, label=label, shrink=0.8 if len(runs) == 1 else 0.5, aspect=25,
                     extend=extend[values.min() < limits[0], values.max() > limits[1]])
-    if len(runs) == 1:
-        figure.suptitle(f"$l$ = {runs[0].l:g}, $u_0$ = {runs[0].u0:g} m/s", fontsize=11)
     return figure
 
 
@@ -264,6 +262,8 @@ def main():
                 "particles_nusselt": configurations(runs, many, NUSSELT),
                 "temperature": temperature(runs, few, style), "nusselt": nusselt(runs, style), "bed": bed(runs, style)}
     for name, figure in pictures.items():
+        if name.startswith("particles") and len(runs) == 1:
+            title(figure, runs)
         for axis in figure.axes:
             if name in ("temperature", "nusselt", "bed"):
                 axis.grid(alpha=0.25)

@@ -1,4 +1,5 @@
-"""Error against run time: which settings are worth their cost. `./hotbed report CASE [--quick]`
+"""The page of a run, `./hotbed report RUN` (report_run.py), or error against run time: which settings are worth their cost,
+`./hotbed report CASE [--quick]`.
 
 CASE is fixed_bed or slim_bed, with variations ready, or the folder of any case with --vary. Each run's errors are taken against
 the finest run (the fixed bed's against the exact solution). Writes results/report/CASE/index.html (one file, works offline),
@@ -23,6 +24,7 @@ import campaign
 import paraview
 import report_errors
 import report_page
+import report_run
 import results
 from run import CaseError, place, read_settings
 
@@ -198,7 +200,7 @@ def evaluate(rows, exact):
 def main():
     parser = argparse.ArgumentParser(prog="hotbed report", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("case", help=f"{' or '.join(SCENES)}, or the folder of a case")
+    parser.add_argument("case", help=f"folder of a run; {' or '.join(SCENES)}, or the folder of a case")
     parser.add_argument("--quick", action="store_true", help="a smaller scene and fewer runs, at most ten minutes on two cores")
     parser.add_argument("--vary", nargs="+", default=[], metavar="name=v1,v2",
                         help="settings, keys of couplingProperties, maxCo; instead of the scene's own variations")
@@ -214,11 +216,16 @@ def main():
     try:
         path = EXAMPLES / options.case if options.case in SCENES else Path(options.case).resolve()
         exact = path == EXAMPLES / "fixed_bed" and options.reference is None
+        if not options.vary and (path / "log.hotbedFoam").is_file():
+            print(report_run.write(path))
+            return
         if not (path / "system/controlDict").is_file():
-            raise CaseError(f"{options.case} is neither one of {', '.join(SCENES)} nor the folder of a case")
+            raise CaseError(f"{options.case} is neither one of {', '.join(SCENES)} nor the folder of a case (system/controlDict is "
+                            "missing there) nor that of a run (log.hotbedFoam is missing, too)")
         ready = SCENES[path.name][options.quick] if path.parent == EXAMPLES and path.name in SCENES else None
         if not ready and not options.vary:
-            raise CaseError("say what to vary: --vary name=value,value ...")
+            raise CaseError(f"{options.case} is a case, not the folder of a run (log.hotbedFoam is missing there): say what to vary, "
+                            "--vary name=value,value ..., or name a run, results/<case>/<what --set says>")
         common = {**(ready["common"] if ready else {}), **pairs(options.set)}
         scene = own_scene(path, common, options.vary, options.product, options.repeat) if options.vary else \
             {**ready, "common": common}

@@ -37,6 +37,9 @@ class Install(CoupledTest):
         self.assertIn(str(self.prefix), head)
         for name in ("Hotbed 0.", "OpenFOAM          1912.", "LIGGGHTS-PUBLIC 3.", "Open MPI v"):
             self.assertIn(name, head)
+        done = self.hotbed("report", installed)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("Finished: 0.002 s", (installed / "report.html").read_text())
         self.assertEqual(list(self.prefix.rglob("__pycache__")), [])
 
     def test_verbs_of_the_source_tree(self):

@@ -49,6 +49,8 @@ class MovingBed(SlimBedTest):
         self.assertGreater(-gap.min(), 0, "something touches")
         self.assertAlmostEqual(rows["overlap_max"][-1], -gap.min() / d, delta=1e-9)
         self.assertAlmostEqual(rows["z_mean_m"][-1], x[:, 2].mean(), delta=1e-12)
+        # Table 2: 1040 kg/m3 of 3.14e-6 m3 on 20 mm x 10 mm
+        self.assertAlmostEqual(rows["weight_Pa"][-1], 1040 * len(x) * np.pi / 6 * d**3 * 9.81 / 2e-4, delta=1e-6)
         # a layer of the histogram is a thousandth of the mesh's height
         self.assertAlmostEqual(rows["height_m"][-1], np.quantile(x[:, 2], 0.99), delta=1.5e-4)
 
