@@ -142,7 +142,7 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
     if (!heated) return;
     const double prandtl = viscosity * capacityOfGas / conductivity;
     double nusselt;
-    gunn(1, &voidage, &reynolds, &prandtl, &nusselt);
+    settings.heatTransfer(1, &voidage, &reynolds, &prandtl, &nusselt);
     const double conductance = number * heatConductance(nusselt, conductivity, d, 1.0);
     fact("temperature", heat / capacity);
     fact("heatTime", capacity / conductance, density * capacityOfGas * gasShare / conductance);

@@ -242,7 +242,7 @@ HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* ga
     }
     dragOn(first, count, gas, B);
     if (!heat_) return;
-    gunn(count, voidage, reynolds, prandtl, nusselt);
+    settings_.heatTransfer(count, voidage, reynolds, prandtl, nusselt);
     for (int k = 0; k < count; ++k)
     {
         nusselt[k] *= inside[k] ? 1.0 : 0.0;

@@ -132,7 +132,8 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
     Info << "    particles         " << particles << " coarse, ratio l = " << dem.ratio() << ", stand for "
          << particles * std::pow(dem.ratio(), 3) << nl << "    drag              "
          << (settings.drag ? settings.dragName : word("left out")) << nl << "    heat transfer     "
-         << (coupling.heat() ? "Gunn" : "left out: no energy equation") << nl << "    particle motion   "
+         << (coupling.heat() ? settings.heatName : word("left out: no energy equation", false)) << nl
+         << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
          << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }

@@ -67,6 +67,17 @@ word choice(const dictionary& dict, const word& key, const wordList& known)
     return value;
 }
 
+/// one of the laws of closures.hpp, null for `none`. @param name  set to what the dictionary says
+template <class Law>
+Law law(const dictionary& dict, const word& key, const std::map<std::string, Law>& known, word& name)
+{
+    wordList names;
+    for (const auto& entry : known) names.append(word(entry.first));
+    names.append("none");
+    name = choice(dict, key, names);
+    return name == "none" ? nullptr : known.at(name);
+}
+
 /// @param unit  dimensions may be given too, and must be these then
 scalar number(const dictionary& dict, const word& key, const Range& range, const dimensionSet& unit = dimless)
 {
@@ -134,10 +145,8 @@ CouplingSettings::CouplingSettings(const Time& runTime)
     if (!isFile(demScript))
         FatalIOErrorInFunction(dict) << "cannot read the DEM script '" << demScript.c_str() << "': demScript must be "
                                      << scriptIs << exit(FatalIOError);
-    const HashTable<DragLaw> drags({{"Beetstra", beetstra}, {"ErgunWenYu", ergunWenYu}, {"none", nullptr}});
-    dragName = choice(dict, "drag", drags.sortedToc());
-    drag = drags[dragName];
-    heatTransfer = choice(dict, "heatTransfer", words({"Gunn", "none"})) != "none";
+    drag = law(dict, "drag", dragLaws(), dragName);
+    heatTransfer = law(dict, "heatTransfer", heatLaws(), heatName);
     choice(dict, "kernel", words({"Deen"}));
     if (dict.found("kernelWidth") && dict.found("windowLength"))
         FatalIOErrorInFunction(dict) << "kernelWidth and windowLength are both given: keep one of the two"

@@ -22,9 +22,9 @@ struct CouplingSettings
     explicit CouplingSettings(const Foam::Time& runTime);
 
     Foam::fileName demScript;        ///< path from the case
-    Foam::word dragName;             ///< Beetstra, ErgunWenYu or none
-    DragLaw drag = nullptr;          ///< see closures.hpp; null for none
-    bool heatTransfer = true;        ///< Gunn, or none
+    Foam::word dragName, heatName;   ///< as the dictionary has them
+    DragLaw drag = nullptr;          ///< null for none
+    HeatLaw heatTransfer = nullptr;  ///< null for none
     Foam::scalar kernelWidth = 3;    ///< full window over the coarse diameter; 0 where windowLength is given
     Foam::scalar windowLength = 0;   ///< full window [m], the same for every particle; 0 where kernelWidth is given
     int kernelSamples = 2;           ///< lattice boxes a cell, per axis, on meshes that are not made of boxes

@@ -23,7 +23,8 @@ namespace
 /// below this the rest is lost in the last digit, and powers of it would overflow
 constexpr double stagnant = 1e-12;
 
-inline double beetstraOf(double voidage, double reynolds)
+/// Beetstra, van der Hoef & Kuipers (2007), paper eq 5.
+inline double beetstra(double voidage, double reynolds)
 {
     const double solids = 1.0 - voidage;
     const double creeping = 10.0 * solids / (voidage * voidage) + voidage * voidage * (1.0 + 1.5 * std::sqrt(solids));
@@ -34,7 +35,9 @@ inline double beetstraOf(double voidage, double reynolds)
     return creeping + (reynolds > stagnant ? inertial : 0.0);
 }
 
-inline double ergunWenYuOf(double voidage, double reynolds)
+/// Ergun (1952) below a voidage of 0.8 and Wen & Yu (1966) from there on, as joined by Gidaspow (1994); the force on a
+/// particle is that of the interphase coefficient K of these laws, K V / (1 - voidage).
+inline double ergunWenYu(double voidage, double reynolds)
 {
     const double ergun = (150.0 * (1.0 - voidage) + 1.75 * reynolds) / (18.0 * voidage * voidage);
     const double power = std::exp(0.687 * std::log(reynolds > 1e-300 ? reynolds : 1e-300));
@@ -43,7 +46,8 @@ inline double ergunWenYuOf(double voidage, double reynolds)
     return voidage < 0.8 ? ergun : wenYu;
 }
 
-inline double gunnOf(double voidage, double reynolds, double prandtl)
+/// Gunn (1978), paper eq 9; fitted for voidage 0.35 to 1 and reynolds up to 1e5.
+inline double gunn(double voidage, double reynolds, double prandtl)
 {
     const double pr = std::exp(std::log(prandtl) / 3.0);
     const double re = reynolds > 0.0 ? std::exp(0.1 * std::log(reynolds > 1e-300 ? reynolds : 1e-300)) : 0.0;
@@ -53,42 +57,45 @@ inline double gunnOf(double voidage, double reynolds, double prandtl)
     return (7.0 - 10.0 * voidage + 5.0 * e2) * (1.0 + 0.7 * re2 * pr) + (1.33 - 2.40 * voidage + 1.20 * e2) * re7 * pr;
 }
 
-HOTBED_VECTORISED void beetstraOfAll(int n, const double* __restrict voidage, const double* __restrict reynolds,
-                                     double* __restrict beta)
+template <double (*law)(double, double)>
+HOTBED_VECTORISED void dragOfAll(int n, const double* __restrict voidage, const double* __restrict reynolds,
+                                 double* __restrict beta)
 {
-    for (int i = 0; i < n; ++i) beta[i] = beetstraOf(voidage[i], reynolds[i]);
+    for (int i = 0; i < n; ++i) beta[i] = law(voidage[i], reynolds[i]);
 }
 
-HOTBED_VECTORISED void ergunWenYuOfAll(int n, const double* __restrict voidage, const double* __restrict reynolds,
-                                       double* __restrict beta)
-{
-    for (int i = 0; i < n; ++i) beta[i] = ergunWenYuOf(voidage[i], reynolds[i]);
-}
-
-HOTBED_VECTORISED void gunnOfAll(int n, const double* __restrict voidage, const double* __restrict reynolds,
+template <double (*law)(double, double, double)>
+HOTBED_VECTORISED void heatOfAll(int n, const double* __restrict voidage, const double* __restrict reynolds,
                                  const double* __restrict prandtl, double* __restrict nusselt)
 {
-    for (int i = 0; i < n; ++i) nusselt[i] = gunnOf(voidage[i], reynolds[i], prandtl[i]);
+    for (int i = 0; i < n; ++i) nusselt[i] = law(voidage[i], reynolds[i], prandtl[i]);
+}
+
+template <double (*law)(double, double)> void drag(int n, const double* voidage, const double* reynolds, double* beta)
+{
+    const NoTraps guard;
+    dragOfAll<law>(n, voidage, reynolds, beta);
+}
+
+template <double (*law)(double, double, double)>
+void heat(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt)
+{
+    const NoTraps guard;
+    heatOfAll<law>(n, voidage, reynolds, prandtl, nusselt);
 }
 
 } // namespace
 
-void beetstra(int n, const double* voidage, const double* reynolds, double* beta)
+const std::map<std::string, DragLaw>& dragLaws()
 {
-    const NoTraps guard;
-    beetstraOfAll(n, voidage, reynolds, beta);
+    static const std::map<std::string, DragLaw> laws = {{"Beetstra", drag<beetstra>}, {"ErgunWenYu", drag<ergunWenYu>}};
+    return laws;
 }
 
-void ergunWenYu(int n, const double* voidage, const double* reynolds, double* beta)
+const std::map<std::string, HeatLaw>& heatLaws()
 {
-    const NoTraps guard;
-    ergunWenYuOfAll(n, voidage, reynolds, beta);
-}
-
-void gunn(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt)
-{
-    const NoTraps guard;
-    gunnOfAll(n, voidage, reynolds, prandtl, nusselt);
+    static const std::map<std::string, HeatLaw> laws = {{"Gunn", heat<gunn>}};
+    return laws;
 }
 
 double effectiveConductivity(double voidage)

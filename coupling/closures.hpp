@@ -1,34 +1,31 @@
 #pragma once
 
+#include <map>
+#include <string>
+
 /// Closures of the gas-particle exchange and of the linear spring-dashpot contact, as plain functions of plain numbers.
 /// All Reynolds numbers are eq 6/17 of the paper: voidage * density * |slip| * d / viscosity, with the ORIGINAL
 /// diameter (other codes leave the voidage out).
 namespace hotbed
 {
 
-/// Drag of a gas on a sphere in a bed, over its Stokes drag. Beetstra, van der Hoef & Kuipers (2007), paper eq 5. For n
-/// particles at a time, as the two below.
+/// A drag law for n particles at a time: drag of a gas on a sphere in a bed, over its Stokes drag, as `dragCoefficient`
+/// takes it.
 /// @param voidage   gas holdup, (0, 1]
 /// @param reynolds  eq 6, >= 0
 /// @param beta      set [-]; the limit for reynolds -> 0 is finite and is what 0 gives
-void beetstra(int n, const double* voidage, const double* reynolds, double* beta);
-
-/// The same by Ergun (1952) below a voidage of 0.8 and Wen & Yu (1966) from there on, as joined by Gidaspow (1994); the
-/// force on a particle is that of the interphase coefficient K of these laws, K V / (1 - voidage).
-/// @param voidage   gas holdup, (0, 1]
-/// @param reynolds  eq 6, >= 0
-/// @param beta      set [-]
-void ergunWenYu(int n, const double* voidage, const double* reynolds, double* beta);
-
-/// A drag law: one of the two above.
 using DragLaw = void (*)(int n, const double* voidage, const double* reynolds, double* beta);
 
-/// Nusselt number of a sphere in a bed. Gunn (1978), paper eq 9; fitted for voidage 0.35 to 1 and reynolds up to 1e5.
+/// A heat law for n particles at a time: Nusselt number of a sphere in a bed.
 /// @param voidage   gas holdup, (0, 1]
 /// @param reynolds  eq 6, >= 0
 /// @param prandtl   viscosity * heat capacity / conductivity, > 0
 /// @param nusselt   set: Nusselt number on the original diameter [-]
-void gunn(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt);
+using HeatLaw = void (*)(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt);
+
+/// All laws, by their names in couplingProperties. The formulas and where they come from are in closures.cpp.
+const std::map<std::string, DragLaw>& dragLaws();
+const std::map<std::string, HeatLaw>& heatLaws();
 
 /// Conductivity of the gas in a bed over that of the gas alone. Syamlal & Gidaspow (1985), paper eq 12.
 /// @param voidage gas holdup, (0, 1]

@@ -12,6 +12,7 @@ namespace
 constexpr double g = 9.81;
 // gamma-alumina in nitrogen, Table 2 of the paper; glass beads of 2 mm
 const Suspension alumina = {5e-4, 1040, 1.165, 1.8e-5}, glass = {2e-3, 2500, 1.165, 1.8e-5};
+const DragLaw beetstra = dragLaws().at("Beetstra"), ergunWenYu = dragLaws().at("ErgunWenYu");
 const Suspension dust = {5e-6, 1040, 1.165, 1.8e-5};
 
 } // namespace

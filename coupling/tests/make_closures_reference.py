@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes closures_reference.csv: Beetstra, Gunn, k_eff and the contact formulas from the paper's equations in 50-digit
+"""Writes closures_reference.csv: drag and heat laws, k_eff and the contact formulas from the paper's equations in 50-digit
 arithmetic (package python3-mpmath), independent of closures.cpp. Columns: function, three arguments, value."""
 
 import csv
@@ -56,15 +56,19 @@ def tangential_stiffness(k, en, et):
     return mpf(2) / 7 * k * (pi**2 + log(et) ** 2) / (pi**2 + log(en) ** 2)
 
 
+# by their names in couplingProperties
+DRAG = {"Beetstra": beetstra, "ErgunWenYu": ergun_wen_yu}
+HEAT = {"Gunn": gunn}
 rows = []
 for e in ("0.2", "0.35", "0.4", "0.55", "0.8", "0.99", "1"):
     rows.append(("effectiveConductivity", e, "0", "0", effective_conductivity(e, 0, 0)))
     for re in ("0", "1e-12", "1e-3", "0.5", "7", "120", "812.5", "1e5"):
-        rows.append(("beetstra", e, re, "0", beetstra(e, re, 0)))
-        if e != "1":
-            rows.append(("ergunWenYu", e, re, "0", ergun_wen_yu(e, re, 0)))
-        for pr in ("1e-2", "0.72", "7", "1000"):
-            rows.append(("gunn", e, re, pr, gunn(e, re, pr)))
+        for name, law in DRAG.items():
+            if e != "1" or name != "ErgunWenYu":  # which is K over 1 - e here
+                rows.append((name, e, re, "0", law(e, re, 0)))
+        for name, law in HEAT.items():
+            for pr in ("1e-2", "0.72", "7", "1000"):
+                rows.append((name, e, re, pr, law(e, re, pr)))
 mass = mpf(1040) * pi / 6 * mpf("5e-4") ** 3
 for e in ("1e-3", "0.1", "0.74", "0.97", "1"):
     for k in ("1", "500", "1e6"):
