@@ -122,6 +122,23 @@ class Check(CoupledTest):
         self.assertTrue(math.isclose(gas, 5000) and math.isclose(dem, 500000))
         self.assertTrue(math.isclose(seconds, 1 + 5000 * 1 / 50 + 500000 * 1 / 5000))
 
+    def test_time_of_a_bed_that_has_not_settled(self):
+        # bed 0.04905 m high: falls in 0.1 s; until then as measured, with the Courant number seen, then as a bubbling bed of so many
+        # particles on a rank
+        text = ("fact steps 50 5000 0.01 0.02\nfact cost 1 2 0.5\nfact demStep 2e-6\nfact moving 1\nfact particles {}\nfact u0 0.2\n"
+                "fact voidage 0.5 0.4\nfact cell 1e-3 1e-3\nfact solids 2.4525e-5\nfact section 1e-3\nfact courantRate 100\n")
+        control = {"endTime": "1", "startTime": "0", "deltaT": "2e-5", "adjustTimeStep": "yes", "maxCo": "0.8", "maxDeltaT": "1e-3"}
+        for particles, ranks, dearer in ((6000, 1, 1.4), (100, 1, 1.4), (46000, 1, 1.8), (92000, 2, 1.8), (10**6, 1, 1.8)):
+            facts = check.Facts(text.format(particles))
+            self.assertFalse(check_rows.settled(facts))
+            seconds, gas, dem = check_rows.wall_time(facts, control, ranks)
+            self.assertAlmostEqual(gas, 0.1 / 1e-3 + 0.9 / 2e-4, delta=1)
+            self.assertAlmostEqual(seconds, 1 + gas / 50 + 500000 / 5000 * (0.1 + 0.9 * dearer), delta=0.01)
+        few, middle, many = (check_rows.dearer(n) for n in (6000, 16613, 46000))
+        self.assertAlmostEqual(middle, (few + many) / 2, delta=1e-4)
+        row = [r.text for r in check_rows.cost(facts, control, None, 1) if r.name == "time"][0]
+        self.assertIn("with --seconds 41 it will have", row)
+
 
 if __name__ == "__main__":
     unittest.main()
