@@ -30,7 +30,7 @@ struct BoxWeights
         std::int64_t row = 0;                ///< the rows of x, y and z begin here, one after the other
     };
 
-    const int* cellOf = nullptr; ///< lattice slot -> cell, -1 for none
+    const int* cellOf = nullptr; ///< lattice slot -> cell, -1 for none; null where a slot's number is its cell's
     int nx = 0, nxy = 0;         ///< slots a row, slots a layer
     std::vector<Particle> particle;
     std::vector<double> row; ///< one-dimensional masses, and room for more

@@ -93,6 +93,8 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
                 for (int i = first[0]; i < last[0]; ++i) cellOf_[slot(i, j, k)] = c;
     }
     full_ = std::find(cellOf_.begin(), cellOf_.end(), -1) == cellOf_.end();
+    ordered_ =
+        std::adjacent_find(cellOf_.begin(), cellOf_.end(), [](int a, int b) { return b != a + 1; }) == cellOf_.end();
 }
 
 Box BoxCells::bounds() const
@@ -120,7 +122,7 @@ class BoxCells::Products : public Weights
 public:
     explicit Products(const BoxCells& cells) : cells_(cells)
     {
-        weights_.cellOf = cells.cellOf_.data();
+        if (!cells.ordered_) weights_.cellOf = cells.cellOf_.data();
         weights_.nx = cells.nSlots_[0];
         weights_.nxy = cells.nSlots_[0] * cells.nSlots_[1];
     }

@@ -111,6 +111,7 @@ private:
     std::array<int, 3> nSlots_{{0, 0, 0}};
     std::vector<int> cellOf_; ///< lattice slot -> cell, -1 for a slot of another rank or a hole
     bool full_ = false;       ///< every slot has a cell
+    bool ordered_ = false;    ///< and its number
 };
 
 /// Cells of any shape, through a lattice of equal boxes laid over them: kernel masses are exact on the boxes, and each
