@@ -135,15 +135,48 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
     }
 }
 
-/// visit(row of cells, their number, their weights along x, weight of the row) for every row that a particle reaches
-template <class Visit> inline void forEachRow(const BoxWeights& weights, const BoxWeights::Particle& p, Visit&& visit)
+/// where each slot's number is its cell's
+struct AllSlots
 {
+    int cell(int slot) const { return slot; }
+    static constexpr bool has(int) { return true; }
+};
+
+/// where cells have other numbers, or some slots none
+struct SomeSlots
+{
+    const int* cellOf;
+    int cell(int slot) const { return cellOf[slot]; }
+    static bool has(int cell) { return cell >= 0; }
+};
+
+/// visit(first slot, number of slots, their weights along x, weight of the row) for every row that a particle reaches.
+/// @tparam length  of the rows, 0 where it is only known now
+template <int length, class Visit>
+inline void forEachRowOf(const BoxWeights& weights, const BoxWeights::Particle& p, Visit&& visit)
+{
+    const int n = length ? length : p.count[0];
     const double* x = weights.row.data() + p.row;
-    const double* y = x + p.count[0];
+    const double* y = x + n;
     const double* z = y + p.count[1];
     for (int k = 0; k < p.count[2]; ++k)
-        for (int j = 0; j < p.count[1]; ++j)
-            visit(weights.cellOf + p.slot + j * weights.nx + k * weights.nxy, p.count[0], x, y[j] * z[k]);
+        for (int j = 0; j < p.count[1]; ++j) visit(p.slot + j * weights.nx + k * weights.nxy, n, x, y[j] * z[k]);
+}
+
+/// The same, unrolled for the usual lengths.
+template <class Visit> inline void forEachRow(const BoxWeights& weights, const BoxWeights::Particle& p, Visit&& visit)
+{
+    switch (p.count[0])
+    {
+    case 2:
+        return forEachRowOf<2>(weights, p, visit);
+    case 3:
+        return forEachRowOf<3>(weights, p, visit);
+    case 4:
+        return forEachRowOf<4>(weights, p, visit);
+    default:
+        return forEachRowOf<0>(weights, p, visit);
+    }
 }
 
 /// the values of a particle or a cell, as one register where the processor has such
@@ -153,35 +186,45 @@ using Values4 = double __attribute__((vector_size(32), aligned(8), may_alias));
 using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
 
 /// two registers
+struct Values12
+{
+    Values8 low;
+    Values4 high;
+};
+
 struct Values16
 {
     Values8 low, high;
-
-    Values16& operator+=(const Values16& other)
-    {
-        low += other.low;
-        high += other.high;
-        return *this;
-    }
 };
 
-inline Values16 operator*(double factor, const Values16& values)
+template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
+{
+    sum.low += values.low;
+    sum.high += values.high;
+    return sum;
+}
+
+template <class Values, class = decltype(Values::low)> inline Values operator*(double factor, const Values& values)
 {
     return {factor * values.low, factor * values.high};
 }
 
-template <class Values>
-inline void interpolateFields(const BoxWeights& weights, int first, int count, const double* cells, double* result)
+template <class Values, class Slots>
+inline void interpolateFields(const BoxWeights& weights, Slots slots, int first, int count, const double* cells,
+                              double* result)
 {
     for (int n = first; n < first + count; ++n)
     {
         Values sum = {};
         forEachRow(weights, weights.particle[std::size_t(n)],
-                   [&](const int* cell, int length, const double* x, double yz)
+                   [&](int slot, int length, const double* x, double yz)
                    {
                        Values row = {};
                        for (int i = 0; i < length; ++i)
-                           if (cell[i] >= 0) row += x[i] * reinterpret_cast<const Values*>(cells)[cell[i]];
+                       {
+                           const int cell = slots.cell(slot + i);
+                           if (slots.has(cell)) row += x[i] * reinterpret_cast<const Values*>(cells)[cell];
+                       }
                        sum += yz * row;
                    });
         *reinterpret_cast<Values*>(result) = sum;
@@ -189,18 +232,22 @@ inline void interpolateFields(const BoxWeights& weights, int first, int count, c
     }
 }
 
-template <class Values>
-inline void depositFields(const BoxWeights& weights, int first, int count, const double* particles, double* cells)
+template <class Values, class Slots>
+inline void depositFields(const BoxWeights& weights, Slots slots, int first, int count, const double* particles,
+                          double* cells)
 {
     for (int n = first; n < first + count; ++n)
     {
         const Values value = *reinterpret_cast<const Values*>(particles);
         forEachRow(weights, weights.particle[std::size_t(n)],
-                   [&](const int* cell, int length, const double* x, double yz)
+                   [&](int slot, int length, const double* x, double yz)
                    {
                        const Values row = yz * value;
                        for (int i = 0; i < length; ++i)
-                           if (cell[i] >= 0) reinterpret_cast<Values*>(cells)[cell[i]] += x[i] * row;
+                       {
+                           const int cell = slots.cell(slot + i);
+                           if (slots.has(cell)) reinterpret_cast<Values*>(cells)[cell] += x[i] * row;
+                       }
                    });
         particles += sizeof(Values) / sizeof(double);
     }
@@ -238,34 +285,61 @@ double BoxWeights::mass(const Particle& p) const
 {
     double sum = 0.0;
     forEachRow(*this, p,
-               [&](const int* cell, int length, const double* x, double yz)
+               [&](int slot, int length, const double* x, double yz)
                {
                    for (int i = 0; i < length; ++i)
-                       if (cell[i] >= 0) sum += x[i] * yz;
+                       if (!cellOf || cellOf[slot + i] >= 0) sum += x[i] * yz;
                });
     return sum;
 }
 
+namespace
+{
+
+template <class Slots>
+inline void interpolateOn(Slots slots, int fields, const BoxWeights& weights, int first, int count, const double* cells,
+                          double* result)
+{
+    if (fields == 1) return interpolateFields<Values1>(weights, slots, first, count, cells, result);
+    if (fields == 2) return interpolateFields<Values2>(weights, slots, first, count, cells, result);
+    if (fields == 4) return interpolateFields<Values4>(weights, slots, first, count, cells, result);
+    if (fields == 8) return interpolateFields<Values8>(weights, slots, first, count, cells, result);
+    if (fields == 12) return interpolateFields<Values12>(weights, slots, first, count, cells, result);
+    if (fields == 16) return interpolateFields<Values16>(weights, slots, first, count, cells, result);
+    throw std::invalid_argument("interpolate: 1, 2, 4, 8, 12 or 16 fields at a time");
+}
+
+template <class Slots>
+inline void depositOn(Slots slots, int fields, const BoxWeights& weights, int first, int count, const double* particles,
+                      double* cells)
+{
+    if (fields == 1) return depositFields<Values1>(weights, slots, first, count, particles, cells);
+    if (fields == 2) return depositFields<Values2>(weights, slots, first, count, particles, cells);
+    if (fields == 4) return depositFields<Values4>(weights, slots, first, count, particles, cells);
+    if (fields == 8) return depositFields<Values8>(weights, slots, first, count, particles, cells);
+    if (fields == 12) return depositFields<Values12>(weights, slots, first, count, particles, cells);
+    if (fields == 16) return depositFields<Values16>(weights, slots, first, count, particles, cells);
+    throw std::invalid_argument("deposit: 1, 2, 4, 8, 12 or 16 fields at a time");
+}
+
+} // namespace
+
 HOTBED_VECTORISED void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells,
                                    double* result)
 {
-    if (fields == 1) return interpolateFields<Values1>(weights, first, count, cells, result);
-    if (fields == 2) return interpolateFields<Values2>(weights, first, count, cells, result);
-    if (fields == 4) return interpolateFields<Values4>(weights, first, count, cells, result);
-    if (fields == 8) return interpolateFields<Values8>(weights, first, count, cells, result);
-    if (fields == 16) return interpolateFields<Values16>(weights, first, count, cells, result);
-    throw std::invalid_argument("interpolate: 1, 2, 4, 8 or 16 fields at a time");
+    if (weights.cellOf)
+        interpolateOn(SomeSlots{weights.cellOf}, fields, weights, first, count, cells, result);
+    else
+        interpolateOn(AllSlots{}, fields, weights, first, count, cells, result);
 }
 
 HOTBED_VECTORISED void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles,
                                double* cells)
 {
-    if (fields == 1) return depositFields<Values1>(weights, first, count, particles, cells);
-    if (fields == 2) return depositFields<Values2>(weights, first, count, particles, cells);
-    if (fields == 4) return depositFields<Values4>(weights, first, count, particles, cells);
-    if (fields == 8) return depositFields<Values8>(weights, first, count, particles, cells);
-    if (fields == 16) return depositFields<Values16>(weights, first, count, particles, cells);
-    throw std::invalid_argument("deposit: 1, 2, 4, 8 or 16 fields at a time");
+    if (weights.cellOf)
+        depositOn(SomeSlots{weights.cellOf}, fields, weights, first, count, particles, cells);
+    else
+        depositOn(AllSlots{}, fields, weights, first, count, particles, cells);
 }
 
 } // namespace hotbed

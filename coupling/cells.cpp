@@ -93,6 +93,8 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
                 for (int i = first[0]; i < last[0]; ++i) cellOf_[slot(i, j, k)] = c;
     }
     full_ = std::find(cellOf_.begin(), cellOf_.end(), -1) == cellOf_.end();
+    ordered_ =
+        std::adjacent_find(cellOf_.begin(), cellOf_.end(), [](int a, int b) { return b != a + 1; }) == cellOf_.end();
 }
 
 Box BoxCells::bounds() const
@@ -120,7 +122,7 @@ class BoxCells::Products : public Weights
 public:
     explicit Products(const BoxCells& cells) : cells_(cells)
     {
-        weights_.cellOf = cells.cellOf_.data();
+        if (!cells.ordered_) weights_.cellOf = cells.cellOf_.data();
         weights_.nx = cells.nSlots_[0];
         weights_.nxy = cells.nSlots_[0] * cells.nSlots_[1];
     }
@@ -256,21 +258,21 @@ public:
 
     double* sums(int fields, double*) override
     {
-        boxValues_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
-        return boxValues_.data();
+        boxSums_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
+        return boxSums_.data();
     }
 
     void passOn(int fields, double* cells) override
     {
         for (const Share& s : cells_.shares_)
             for (int f = 0; f < fields; ++f)
-                cells[std::size_t(s.cell) * fields + f] += s.part * boxValues_[std::size_t(s.box) * fields + f];
+                cells[std::size_t(s.cell) * fields + f] += s.part * boxSums_[std::size_t(s.box) * fields + f];
     }
 
 private:
     const LatticeCells& cells_;
     std::unique_ptr<Weights> onBoxes_;
-    std::vector<double> boxValues_; ///< [boxes][fields], what is on its way
+    std::vector<double> boxValues_, boxSums_; ///< [boxes][fields], what is on its way from and to the cells
 };
 
 std::unique_ptr<Weights> LatticeCells::weights() const

@@ -43,7 +43,7 @@ public:
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(int first, int count, const double* factor) = 0;
 
-    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 4, 8 or 16 fields. What they read is
+    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 4, 8, 12 or 16 fields. What they read is
     /// what `read` makes of the cells' values; what they add to is what `sums` gives, and `passOn` brings it to the
     /// cells.
     virtual void interpolate(int fields, int first, int count, const double* read, double* particles) const = 0;
@@ -111,6 +111,7 @@ private:
     std::array<int, 3> nSlots_{{0, 0, 0}};
     std::vector<int> cellOf_; ///< lattice slot -> cell, -1 for a slot of another rank or a hole
     bool full_ = false;       ///< every slot has a cell
+    bool ordered_ = false;    ///< and its number
 };
 
 /// Cells of any shape, through a lattice of equal boxes laid over them: kernel masses are exact on the boxes, and each
