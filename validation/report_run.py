@@ -208,7 +208,7 @@ def read(run):
         "ranks": int(ranks[1]) if ranks else None, "pieces": len(pieces), "wall_s": sum(p.wall for p in pieces),
         "date": m[1] if (m := re.search(r"(?m)^Date   : (.*)$", head)) else None,
         "versions": {"Hotbed": versions[1], **pairs(versions[2])} if versions else {},
-        "case": pairs(case[1]) if case else {},
+        "case": pairs(shortened(case[1])) if case else {},
         "settings": [{"name": n, "value": v, "meaning": comment.get(n, "")} for n, v in entries(run / "settings").items()],
         "coupling": entries(run / "constant/couplingProperties"),
         "figures": figures(run, bed, steps), "budget": budget(text),
@@ -228,7 +228,7 @@ def entries(path):
 
 def pairs(text):
     """`    name   value` a line, as the log writes what runs and what the case is."""
-    return {m[1]: shortened(m[2].strip()) for m in re.finditer(r"(?m)^    (\S.*?)\s{2,}(.*)$", text)}
+    return {m[1]: m[2].strip() for m in re.finditer(r"(?m)^    (\S.*?)\s{2,}(.*)$", text)}
 
 
 def write(folder):

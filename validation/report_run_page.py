@@ -229,14 +229,15 @@ def write(run, dumps):
         f'alt="{html.escape(what)}"></picture></p>' for what, wide, narrow in pictures(dumps))
     warned = "".join(f"<li>{html.escape(text)}{f' <small>({count} times)</small>' if count > 1 else ''}</li>"
                      for text, count in run["warnings"].items())
-    title = f"{run['name']}: {run['label'].replace(',', ', ')}"
+    changes = run["label"].replace(",", ", ")
     again = f" It was stopped and went on: {run['pieces']} logs." if run["pieces"] > 1 else ""
     ranks = f"{run['ranks']} rank{'s' * (run['ranks'] > 1)}" if run["ranks"] else ""
     settings = [(s["name"], s["value"], s["meaning"]) for s in run["settings"]]
     page = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{html.escape(title)}</title><style>{STYLE}</style></head><body>
-<h1>{html.escape(title)}</h1>
+<title>{html.escape(f"{run['name']}: {changes}")}</title><style>{STYLE}</style></head><body>
+<h1>{html.escape(run["name"])}</h1>
+<p class="fine">{html.escape(changes)}</p>
 <p class="answer {run['state']}">{html.escape(run['sentence'] + again)}</p>
 {cards(run)}
 <p class="fine">Means are over time and leave out the first 40 % of the run.</p>

@@ -70,6 +70,8 @@ class RunPage(CoupledTest):
         self.assertEqual(found["coupling"]["drag"], "Beetstra")
         self.assertRegex(found["versions"]["Hotbed"], r"^\d+\.\d+\.\d+$")
         self.assertTrue({"OpenFOAM", "LIGGGHTS", "MPI"} <= set(found["versions"]))
+        for name in ("OpenFOAM", "LIGGGHTS", "MPI"):
+            self.assertRegex(log, rf"(?m)^    {name} +{re.escape(found['versions'][name])}$")
         self.assertIn("Energy budget [J]", [name for name, _ in found["budget"]])
         self.assertNotIn("Solving", str(found["budget"]))
         whole = found["timing"][-1]
