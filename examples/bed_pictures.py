@@ -19,6 +19,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
@@ -29,7 +30,9 @@ from paraview import read_dump
 from run import read_settings
 
 STYLES = ["-", "--", "-.", ":", (0, (1, 1, 4, 1)), (0, (6, 3))]
-TEMPERATURE, NUSSELT = ("f_Temp", "particle temperature [K]", "turbo"), ("f_Nusselt", "Nusselt number", "viridis")
+# even to the colour-blind, and without the yellow that is lost on white
+WARMTH = ListedColormap(plt.cm.plasma(np.linspace(0, 0.87, 256)))
+TEMPERATURE, NUSSELT = ("f_Temp", "particle temperature [K]", WARMTH), ("f_Nusselt", "Nusselt number", "viridis")
 
 
 class Run:

@@ -1,8 +1,7 @@
 """The paper's figures 2 to 12 drawn from our campaign: FOLDER/NAME_fig*.png, NAME that of the tables.
 
 From the runs, where they are there: particles near the centre plane by temperature (Figs 2-4) and by Nusselt number (8-10).
-From the tables of paper_tables.py: all others. Repeats of a run are drawn as lines of their own where the figure is of single
-times, else as their mean with a band or bar.
+From the tables of paper_tables.py: all others. Repeats of a run are lines of the same colour, or their mean with a band or bar.
 """
 
 from pathlib import Path
@@ -25,8 +24,8 @@ def widths(l, ratios):
 
 
 def panels(rows, columns, high=2.9, **shared):
-    return plt.subplots(rows, columns, squeeze=False, layout="constrained", figsize=(9.2 if columns > 1 else 5.6, high * rows + 0.5),
-                        **shared)
+    return plt.subplots(rows, columns, squeeze=False, layout="constrained",
+                        figsize=(9.2 if columns > 1 else 5.6, high * rows + 0.5), **shared)
 
 
 def legend(figure, handles):
@@ -37,7 +36,7 @@ def legend(figure, handles):
 
 
 def ratio_lines(colour):
-    return [plt.Line2D([], [], color=c, lw=2.6 if n == 0 else 1.6, label=f"$l$ = {l:g}") for n, (l, c) in enumerate(colour.items())]
+    return [plt.Line2D([], [], color=c, lw=widths(l, list(colour))["lw"], label=f"$l$ = {l:g}") for l, c in colour.items()]
 
 
 def configurations(runs, times, quantity):
@@ -49,9 +48,9 @@ def configurations(runs, times, quantity):
     shown = [first[c] for c in columns]
     look, colours = colouring(shown, times, quantity)
     top = top_of(shown, times)
-    wide = 8.2 / len(columns)
+    wide = min(8.2 / len(columns), 2.1)
     figure, axes = plt.subplots(len(times), len(columns), squeeze=False, sharex=True, sharey=True, layout="compressed",
-                                figsize=(9.2, (wide * top / shown[0].width + 0.35) * len(times) + 0.5))
+                                figsize=(wide * len(columns) + 1, (wide * top / shown[0].width + 0.35) * len(times) + 0.5))
     for row, time in zip(axes, times):
         for axis, run, (l, u0) in zip(row, shown, columns):
             circles = cut(axis, run, time, top, **look)
@@ -70,7 +69,7 @@ def cooling(stem):
     figure = plt.figure(figsize=(9.2, 6.4), layout="constrained")
     grid = figure.add_gridspec(2, columns, height_ratios=(3, 2))
     course, below = figure.add_subplot(grid[0, :]), None
-    colour = shades(sorted({l for u0 in table.velocities for l in table.ratios(u0)}))
+    colour = shades(table.ratios())
     for n, u0 in enumerate(table.velocities):
         below = figure.add_subplot(grid[1, n], sharey=below)
         ratios = table.ratios(u0)
@@ -85,10 +84,10 @@ def cooling(stem):
         below.set_title(f"$u_0$ = {u0:g} m/s", fontsize=10)
         below.set_xlabel("time [s]")
         if n == 0:
-            below.set_ylabel(f"difference to $l$ = {ratios[0]:g} [K]")
+            below.set_ylabel("difference to the finest $l$ [K]")
         else:
             below.tick_params(labelleft=False)
-    course.set(xlabel="time [s]", ylabel="mean particle temperature [K]", xlim=(0, 1.08 * time[-1]))
+    course.set(xlabel="time [s]", ylabel="mean particle temperature [K]", xlim=(0, 1.1 * time[-1]))
     legend(figure, ratio_lines(colour))
     return figure
 
@@ -97,7 +96,7 @@ def at_times(table, x, y, labels, scale="linear", **shared):
     """A row a time, a column a velocity, a line a run."""
     times = table.times()
     figure, axes = panels(len(times), len(table.velocities), 2.6, sharey="row", **shared)
-    colour = shades(sorted({l for u0 in table.velocities for l in table.ratios(u0)}))
+    colour = shades(table.ratios())
     for row, time in zip(axes, times):
         for axis, u0 in zip(row, table.velocities):
             ratios = table.ratios(u0)
@@ -127,7 +126,8 @@ def mean_nusselt(stem, start):
         bars = [bar(*spread(repeated), len(g)) for g in groups.values()] if repeated else None
         axis.fill_between(list(groups), 0.99 * means[0], 1.01 * means[0], color=colour[u0], alpha=0.12, lw=0)
         axis.errorbar(list(groups), means, bars, fmt="o-", color=colour[u0], capsize=4, label=f"$u_0$ = {u0:g} m/s")
-    axis.set(xlabel="coarse-graining ratio $l$", ylabel=f"mean Nusselt number from {start:g} s on", xticks=sorted(groups))
+    axis.set(xlabel="coarse-graining ratio $l$", ylabel=f"mean Nusselt number from {start:g} s on",
+             xticks=table.ratios())
     axis.margins(y=0.15)
     legend(figure, axis.get_legend_handles_labels()[0])
     return figure
@@ -137,7 +137,7 @@ def nusselt_pdf(stem):
     """Fig 12. Bands: a standard error to either side."""
     table = Table(stem, "nusselt")
     figure, (axes,) = panels(1, len(table.velocities), 3.1, sharex=True, sharey=True)
-    colour = shades(sorted({l for u0 in table.velocities for l in table.ratios(u0)}))
+    colour = shades(table.ratios())
     for axis, u0 in zip(axes, table.velocities):
         ratios = table.ratios(u0)
         for l in ratios:
@@ -159,8 +159,8 @@ def draw(stem, runs, times, start, folder):
              "7": at_times(Table(stem, "profile"), "z_mm", "T_K", ("height [mm]", "particle temperature [K]"), sharex=True),
              "11": mean_nusselt(stem, start), "12": nusselt_pdf(stem)}
     for number, figure in made.items():
-        if "-" not in number:
-            for axis in figure.axes:
-                axis.grid(alpha=0.25)
-        save(figure, Path(folder) / f"{Path(stem).name}_fig{number}.png", 110)
+        of_particles = "-" in number
+        for axis in () if of_particles else figure.axes:
+            axis.grid(alpha=0.25)
+        save(figure, Path(folder) / f"{Path(stem).name}_fig{number}.png", 95 if of_particles else 110)
     print(f"pictures: {folder}/{Path(stem).name}_fig{{{','.join(made)}}}.png")

@@ -31,12 +31,12 @@ def path(stem, table):
     return Path(f"{stem}{'_' if table else ''}{table}.csv")
 
 
-def write(stem, table, columns, rows):
+def write(stem, table, columns, rows, digits=6):
     """@param rows  key (l, u0, nudge), then numbers"""
     with open(path(stem, table), "w", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow([*KEY, *columns])
-        lines.writerows([*key, *(f"{x:.7g}" for x in numbers)] for key, *numbers in rows)
+        lines.writerows([*key, *(f"{x:.{digits}g}" for x in numbers)] for key, *numbers in rows)
 
 
 class Table:
@@ -48,8 +48,9 @@ class Table:
         self.runs = {k: lines[(lines["u0"] == k[0]) & (lines["l"] == k[1]) & (lines["nudge"] == k[2])] for k in keys}
         self.velocities = sorted({u0 for u0, _, _ in keys})
 
-    def ratios(self, u0):
-        return sorted({l for v, l, _ in self.runs if v == u0})
+    def ratios(self, u0=None):
+        """Coarse-graining ratios at a velocity, or at any."""
+        return sorted({l for v, l, _ in self.runs if u0 in (v, None)})
 
     def repeats(self, u0, l):
         """Runs that differ by their nudge, the one without first."""
@@ -68,7 +69,7 @@ def make(stem, folders, times, start):
     shown = times_to_show(list(runs.values()), 2)
     write(stem, "", ("time_s", "T_mean_K", "Nu_mean"), (
         (key, *row) for key, run in runs.items()
-        for row in zip(times, *(np.interp(times, run.bed["time_s"], run.bed[c]) for c in ("T_mean_K", "Nu_mean")))))
+        for row in zip(times, *(np.interp(times, run.bed["time_s"], run.bed[c]) for c in ("T_mean_K", "Nu_mean")))), digits=9)
     write(stem, "temperature", ("time_s", "T_K", "density_per_K"), temperatures(runs, shown))
     write(stem, "profile", ("time_s", "z_mm", "T_K", "particles"), profiles(runs, shown))
     write(stem, "nusselt", ("Nu", "density", "error"), nusselts(runs, start))
@@ -79,10 +80,10 @@ def temperatures(runs, times):
     """The bins are those of all runs at a velocity and time; the coldest half per cent of the particles is left out."""
     for u0, time in itertools.product(sorted({key[1] for key in runs}), times):
         values = {key: run.particles(time)["f_Temp"] for key, run in runs.items() if key[1] == u0}
-        edges = np.linspace(min(np.percentile(v, 0.5) for v in values.values()), max(map(np.max, values.values())), 61)
+        edges = np.linspace(min(np.percentile(v, 0.5) for v in values.values()), max(map(np.max, values.values())), 41)
         for key, value in values.items():
             density = np.histogram(value, edges)[0] / len(value) / np.diff(edges)
-            yield from ((key, time, *row) for row in zip((edges[1:] + edges[:-1]) / 2, density))
+            yield from ((key, time, *row) for row in zip((edges[1:] + edges[:-1]) / 2, density) if row[1] > 0)
 
 
 def profiles(runs, times):
@@ -146,7 +147,8 @@ def distances(stem, hot):
     for (name, (table, distance)), u0 in itertools.product(figures.items(), nusselt.velocities):
         finest, *coarser = table.ratios(u0)
         for l in coarser:
-            found[f"u0 = {u0:g} m/s, l = {l:g} against {finest:g}: {name}"] = distance(table.repeats(u0, l), table.repeats(u0, finest))
+            value = distance(table.repeats(u0, l), table.repeats(u0, finest))
+            found[f"u0 = {u0:g} m/s, l = {l:g} against {finest:g}: {name}"] = value
         for l in (finest, *coarser):
             pairs = list(itertools.combinations(table.repeats(u0, l), 2))
             if pairs:

@@ -1,9 +1,10 @@
 """The paper's campaign: mean temperature and Nusselt number of a fluidised bed at every coarse-graining ratio and velocity
 against the finest one (Figs 5 and 11), and against a bed whose gas leaves at the particles' mean temperature.
 
-`./hotbed validate paper [--bed fluidized_bed] [--until T] [--quick] [--figures [FOLDER]]`: the slim bed at `l` = 1, 1.5, 2, 2.5 for 5 s, hours;
-stopped runs go on. Coarse runs are repeated with a velocity that differs by a millionth: the bed is chaotic, and its repeats
-tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at `l` = 2 and 2.5 for 2.5 s.
+`./hotbed validate paper [--bed fluidized_bed] [--until T] [--quick] [--figures [FOLDER]]`: the slim bed at `l` = 1, 1.5, 2,
+2.5 for 5 s, hours; stopped runs go on. Coarse runs are repeated with a velocity that differs by a millionth: the bed is
+chaotic, and its repeats tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at
+`l` = 2 and 2.5 for 2.5 s.
 --quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s.
 
 Writes small tables, results/paper*.csv, and from them and the runs the paper's figures 2 to 12 beside the runs. --figures runs
