@@ -77,7 +77,8 @@ void Bed::resume(const dictionary& state)
 double Bed::particleEnergy() const
 {
     double sum = 0;
-    for (int i = 0; i < dem_.size(); ++i) sum += dem_.heatCapacity(i) * dem_.temperature()[i];
+    const double* T = dem_.temperature();
+    for (int i = 0; i < dem_.size(); ++i) sum += dem_.heatCapacity(i) * T[i];
     reduce(sum, sumOp<double>());
     return sum;
 }
@@ -173,14 +174,14 @@ void Bed::line()
     {
         double sum = 0, low = GREAT, high = -GREAT, nusselt = 0;
         label exchanging = 0; // particles that have a Nusselt number
+        const double *T = dem_.temperature(), *Nu = dem_.nusselt();
         for (int i = 0; i < dem_.size(); ++i)
         {
-            const double T = dem_.temperature()[i];
-            sum += T;
-            low = std::min(low, T);
-            high = std::max(high, T);
-            nusselt += dem_.nusselt()[i];
-            exchanging += dem_.nusselt()[i] > 0;
+            sum += T[i];
+            low = std::min(low, T[i]);
+            high = std::max(high, T[i]);
+            nusselt += Nu[i];
+            exchanging += Nu[i] > 0;
         }
         reduce(sum, sumOp<double>());
         reduce(nusselt, sumOp<double>());

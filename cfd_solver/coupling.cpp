@@ -35,10 +35,10 @@ double halfWidth(const CouplingSettings& settings, double radius)
     return 0.5 * (settings.windowLength > 0 ? settings.windowLength : settings.kernelWidth * 2.0 * radius);
 }
 
-/// whole cache lines, where it is more than one value
+/// whole registers, where it is more than one value
 int padded(int fields)
 {
-    return fields == 1 ? 1 : fields <= 8 ? 8 : 16;
+    return fields == 1 ? 1 : fields <= 8 ? 8 : 12;
 }
 
 } // namespace
@@ -110,14 +110,17 @@ void Coupling::map()
         const auto time = timing_.measure("weights");
         const int n = dem_.size();
         halfWidth_.resize(n);
+        volume_.resize(n);
         widest_ = 0.0;
         const double* radius = dem_.radius();
         for (int i = 0; i < n; ++i)
         {
             halfWidth_[i] = halfWidth(settings_, radius[i]);
             widest_ = std::max(widest_, halfWidth_[i]);
+            volume_[i] = sphereVolume(radius[i]);
         }
-        inside_ = mapping_.update({n, dem_.position(), halfWidth_.data()});
+        cellValues_.assign(mesh_.nCells(), 0.0);
+        inside_ = mapping_.update({n, dem_.position(), halfWidth_.data(), volume_.data()}, cellValues_.data());
         reduce(widest_, maxOp<double>());
         if (!warned_ && 2.0 * widest_ > cmptMin(mesh_.bounds().span()))
         {
@@ -128,13 +131,6 @@ void Coupling::map()
         }
     }
     const auto time = timing_.measure("voidage");
-    const double* radius = mapping_.toCopies(1, dem_.radius());
-    cellValues_.assign(mesh_.nCells(), 0.0);
-    mapping_.deposit(1, cellValues_.data(),
-                     [&](int first, int count, double* volume)
-                     {
-                         for (int k = 0; k < count; ++k) volume[k] = sphereVolume(radius[first + k]);
-                     });
     volScalarField& voidage = gas_.voidage();
     for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
     const scalar least = gMin(voidage.primitiveField());
@@ -148,70 +144,72 @@ void Coupling::map()
 
 void Coupling::particlesToGas()
 {
-    {
-        const auto time = timing_.measure("gas at particles");
-        const scalarField& voidage = gas_.voidage();
-        const vectorField& U = gas_.U();
-        const fluidThermo& thermo = gas_.thermo();
-        const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), kappa = thermo.kappa(), Cp = thermo.Cp();
-        cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
-        for (label c = 0; c < mesh_.nCells(); ++c)
-        {
-            double* f = &cellValues_[std::size_t(c) * gasFields];
-            f[0] = voidage[c];
-            for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
-            f[4] = rho()[c];
-            f[5] = mu()[c];
-            f[6] = kappa()[c];
-            f[7] = Cp()[c];
-        }
-    }
-    {
-        const auto time = timing_.measure("closures");
-        given_.resize(std::size_t(dem_.size()) * givenFields_);
-        if (heat_)
-        {
-            // temperatures from a common one on: in a well mixed bed the differences that drive the heat are small
-            const int n = dem_.size();
-            const double* T = dem_.temperature();
-            for (int i = 0; i < n; ++i)
-                if (!(T[i] > 0.0 && T[i] <= hottest))
-                    FatalErrorInFunction
-                        << dem_.describe(i).c_str() << " has the temperature " << T[i]
-                        << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "
-                        << "set_property), or the heat capacity or an inlet temperature is impossible. The "
-                        << "restarts written before are whole" << exit(FatalError);
-            double sum[2] = {std::accumulate(T, T + n, 0.0), double(n)};
-            MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-            gas_.exchange().reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
-        }
-        mapping_.interpolate(gasFields, cellValues_.data(),
-                             [this](int first, int count, const double* gas) { closures(first, count, gas); });
-    }
     const auto time = timing_.measure("to gas");
-    const double* given = mapping_.toCopies(givenFields_, given_.data());
-    const double(*position)[3] = mapping_.copyPositions(dem_.position());
+    timing_.add("to gas: closures", 0); // the table lists the same on every rank, also on one without particles
+    const scalarField& voidage = gas_.voidage();
+    const vectorField& U = gas_.U();
+    const fluidThermo& thermo = gas_.thermo();
+    const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), kappa = thermo.kappa(), Cp = thermo.Cp();
+    cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
+    for (label c = 0; c < mesh_.nCells(); ++c)
+    {
+        double* f = &cellValues_[std::size_t(c) * gasFields];
+        f[0] = voidage[c];
+        for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
+        f[4] = rho()[c];
+        f[5] = mu()[c];
+        f[6] = kappa()[c];
+        f[7] = Cp()[c];
+    }
+    if (heat_)
+    {
+        // temperatures from a common one on: in a well mixed bed the differences that drive the heat are small
+        const int n = dem_.size();
+        const double* T = dem_.temperature();
+        for (int i = 0; i < n; ++i)
+            if (!(T[i] > 0.0 && T[i] <= hottest))
+                FatalErrorInFunction
+                    << dem_.describe(i).c_str() << " has the temperature " << T[i]
+                    << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "
+                    << "set_property), or the heat capacity or an inlet temperature is impossible. The "
+                    << "restarts written before are whole" << exit(FatalError);
+        double sum[2] = {std::accumulate(T, T + n, 0.0), double(n)};
+        MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+        gas_.exchange().reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
+    }
+    given_.resize(std::size_t(dem_.size()) * givenFields_);
     cellSums_.assign(std::size_t(mesh_.nCells()) * sumFields_, 0.0);
-    mapping_.deposit(sumFields_, cellSums_.data(),
-                     [&](int first, int count, double* sum)
-                     {
-                         for (int k = first; k < first + count; ++k, sum += sumFields_)
-                         {
-                             const double* give = given + std::size_t(k) * givenFields_;
-                             sum[0] = give[0];
-                             if (push_) std::copy_n(give + 1, 4, sum + 1);
-                             if (!heat_) continue;
-                             const double *heat = give + heatAt_, *x = position[k];
-                             double* heatSum = sum + heatAt_;
-                             heatSum[0] = heat[0];
-                             heatSum[1] = heat[1];
-                             heatSum[2] = heat[0] * heat[2];
-                             heatSum[3] = heat[0] * heat[3];
-                             for (int a = 0; a < 3; ++a) heatSum[4 + a] = heat[0] * x[a];
-                         }
-                     });
+    mapping_.answer(
+        gasFields, cellValues_.data(),
+        [this](int first, int count, const double* gas)
+        {
+            const auto part = timing_.measure("to gas: closures");
+            closures(first, count, gas);
+        },
+        givenFields_, given_.data(),
+        [this](int first, int count, const double* given, double* sums) { fill(first, count, given, sums); },
+        sumFields_, cellSums_.data());
     dragToGas();
     if (heat_) heatToGas();
+}
+
+/// What copies of particles add to the sums of their cells, from what they give.
+void Coupling::fill(int first, int count, const double* given, double* sums) const
+{
+    const double(*position)[3] = mapping_.copyPositions(dem_.position()) + first;
+    for (int k = 0; k < count; ++k, given += givenFields_, sums += sumFields_)
+    {
+        sums[0] = given[0];
+        if (push_) std::copy_n(given + 1, 4, sums + 1);
+        if (!heat_) continue;
+        const double *heat = given + heatAt_, *x = position[k];
+        double* heatSums = sums + heatAt_;
+        heatSums[0] = heat[0];
+        heatSums[1] = heat[1];
+        heatSums[2] = heat[0] * heat[2];
+        heatSums[3] = heat[0] * heat[3];
+        for (int a = 0; a < 3; ++a) heatSums[4 + a] = heat[0] * x[a];
+    }
 }
 
 HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* gas)

@@ -65,6 +65,7 @@ private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
     // blocks of particles; `gas` is what they see of it, [count][gasFields]
     void closures(int first, int count, const double* gas);
+    void fill(int first, int count, const double* given, double* sums) const;
     void dragOn(int first, int count, const double* gas, const double* B);
     void heatOn(int first, int count, const double* conductance);
     // by cell, before the step of the gas
@@ -96,8 +97,8 @@ private:
     bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
-    std::vector<double> halfWidth_; ///< kernel, by particle [m]
-    double widest_ = 0;             ///< largest halfWidth_ over all ranks [m]
+    std::vector<double> halfWidth_, volume_; ///< kernel [m] and volume [m3], by particle
+    double widest_ = 0;                      ///< largest halfWidth_ over all ranks [m]
     /// by particle: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay, see heatToGas
     std::vector<double> given_;
     CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)

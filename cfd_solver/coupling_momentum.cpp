@@ -99,12 +99,12 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
     const double(*v)[3] = dem_.velocity();
     double** lasts = dem_.lastGasStep();
     vector received(Zero), dragReceived(Zero);
-    double exchanged = 0.0;
+    double exchanged = 0.0, forces[Mapping::block][3];
     for (int i = first; i < first + count; ++i, read += readFields_)
     {
         const double* given = &given_[std::size_t(i) * givenFields_];
         const double volume = sphereVolume(radius[i]);
-        double force[3];
+        double* force = forces[i - first];
         double* last = lasts[i];
         for (int a = 0; a < 3; ++a)
         {
@@ -117,8 +117,8 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
             exchanged += std::abs(drag);
         }
         last[6] = dt;
-        dem_.setGasForce(i, force);
     }
+    dem_.setGasForce(first, count, forces);
     impulse_ += dt * received;
     dragReceived_ += dragReceived;
     dragExchanged_ += exchanged;

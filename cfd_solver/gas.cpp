@@ -184,6 +184,14 @@ tmp<volScalarField> Gas::diffusivity() const
         forAll(face, f) face[f] *= effectiveConductivity(voidage[f]);
     }
     alpha += turbulence_->alphat();
+    // gas brings its own enthalpy in and no more: what conduction took upstream it would bring back
+    forAll(phi_.boundaryField(), patch)
+    {
+        if (mesh_.boundary()[patch].coupled()) continue;
+        const scalarField& flux = phi_.boundaryField()[patch];
+        scalarField& face = alpha.boundaryFieldRef()[patch];
+        forAll(face, f) if (flux[f] < 0) face[f] = 0;
+    }
     return t;
 }
 

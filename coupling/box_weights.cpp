@@ -153,19 +153,25 @@ using Values4 = double __attribute__((vector_size(32), aligned(8), may_alias));
 using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
 
 /// two registers
+struct Values12
+{
+    Values8 low;
+    Values4 high;
+};
+
 struct Values16
 {
     Values8 low, high;
-
-    Values16& operator+=(const Values16& other)
-    {
-        low += other.low;
-        high += other.high;
-        return *this;
-    }
 };
 
-inline Values16 operator*(double factor, const Values16& values)
+template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
+{
+    sum.low += values.low;
+    sum.high += values.high;
+    return sum;
+}
+
+template <class Values, class = decltype(Values::low)> inline Values operator*(double factor, const Values& values)
 {
     return {factor * values.low, factor * values.high};
 }
@@ -253,8 +259,9 @@ HOTBED_VECTORISED void interpolate(int fields, const BoxWeights& weights, int fi
     if (fields == 2) return interpolateFields<Values2>(weights, first, count, cells, result);
     if (fields == 4) return interpolateFields<Values4>(weights, first, count, cells, result);
     if (fields == 8) return interpolateFields<Values8>(weights, first, count, cells, result);
+    if (fields == 12) return interpolateFields<Values12>(weights, first, count, cells, result);
     if (fields == 16) return interpolateFields<Values16>(weights, first, count, cells, result);
-    throw std::invalid_argument("interpolate: 1, 2, 4, 8 or 16 fields at a time");
+    throw std::invalid_argument("interpolate: 1, 2, 4, 8, 12 or 16 fields at a time");
 }
 
 HOTBED_VECTORISED void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles,
@@ -264,8 +271,9 @@ HOTBED_VECTORISED void deposit(int fields, const BoxWeights& weights, int first,
     if (fields == 2) return depositFields<Values2>(weights, first, count, particles, cells);
     if (fields == 4) return depositFields<Values4>(weights, first, count, particles, cells);
     if (fields == 8) return depositFields<Values8>(weights, first, count, particles, cells);
+    if (fields == 12) return depositFields<Values12>(weights, first, count, particles, cells);
     if (fields == 16) return depositFields<Values16>(weights, first, count, particles, cells);
-    throw std::invalid_argument("deposit: 1, 2, 4, 8 or 16 fields at a time");
+    throw std::invalid_argument("deposit: 1, 2, 4, 8, 12 or 16 fields at a time");
 }
 
 } // namespace hotbed

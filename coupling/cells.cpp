@@ -256,21 +256,21 @@ public:
 
     double* sums(int fields, double*) override
     {
-        boxValues_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
-        return boxValues_.data();
+        boxSums_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
+        return boxSums_.data();
     }
 
     void passOn(int fields, double* cells) override
     {
         for (const Share& s : cells_.shares_)
             for (int f = 0; f < fields; ++f)
-                cells[std::size_t(s.cell) * fields + f] += s.part * boxValues_[std::size_t(s.box) * fields + f];
+                cells[std::size_t(s.cell) * fields + f] += s.part * boxSums_[std::size_t(s.box) * fields + f];
     }
 
 private:
     const LatticeCells& cells_;
     std::unique_ptr<Weights> onBoxes_;
-    std::vector<double> boxValues_; ///< [boxes][fields], what is on its way
+    std::vector<double> boxValues_, boxSums_; ///< [boxes][fields], what is on its way from and to the cells
 };
 
 std::unique_ptr<Weights> LatticeCells::weights() const

@@ -52,7 +52,7 @@ void Mapping::route(const ParticlePositions& particles)
     std::partial_sum(receiveCount.begin(), receiveCount.end(), receiveStart_.begin() + 1);
 }
 
-const std::vector<char>& Mapping::update(const ParticlePositions& particles)
+const std::vector<char>& Mapping::update(const ParticlePositions& particles, double* volumes)
 {
     particles_ = particles.count;
     inside_.resize(std::size_t(particles_));
@@ -94,8 +94,10 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles)
         append(int(copyPosition_.size()), copies);
         normalise(0, particles_, toHome(2, found.data()));
         weights_->scale(0, int(copyPosition_.size()), toCopies(1, scale.data()));
+        if (volumes) deposit(1, toCopies(1, particles.volume), volumes);
         return inside_;
     }
+    double* sums = volumes ? weights_->sums(1, volumes) : nullptr;
     for (int first = 0; first < particles_; first += block)
     {
         const int count = std::min(block, particles_ - first);
@@ -103,7 +105,9 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles)
         append(count, particle.data());
         normalise(first, count, found.data());
         weights_->scale(first, count, scale.data());
+        if (volumes) weights_->deposit(1, first, count, particles.volume + first, sums);
     }
+    if (volumes) weights_->passOn(1, volumes);
     return inside_;
 }
 
@@ -179,17 +183,28 @@ void Mapping::interpolate(int fields, const double* cellValues, const Use& use)
     }
 }
 
-void Mapping::deposit(int fields, double* cellSums, const Fill& fill)
+void Mapping::answer(int fields, const double* cellValues, const Use& use, int givenFields, const double* given,
+                     const Fill& fill, int sumFields, double* cellSums)
 {
-    partial_.resize(std::max(partial_.size(), std::size_t(block) * fields));
-    double* sums = weights_->sums(fields, cellSums);
-    for (int first = 0; first < copies(); first += block)
+    filled_.resize(std::size_t(block) * sumFields);
+    double* sums = weights_->sums(sumFields, cellSums);
+    const auto deposit = [&](int first, int count, const double* from)
     {
-        const int count = std::min(block, copies() - first);
-        fill(first, count, partial_.data());
-        weights_->deposit(fields, first, count, partial_.data(), sums);
+        fill(first, count, from + std::size_t(first) * givenFields, filled_.data());
+        weights_->deposit(sumFields, first, count, filled_.data(), sums);
+    };
+    interpolate(fields, cellValues,
+                [&](int first, int count, const double* values)
+                {
+                    use(first, count, values);
+                    if (direct_) deposit(first, count, given);
+                });
+    if (!direct_)
+    {
+        const double* from = toCopies(givenFields, given);
+        for (int first = 0; first < copies(); first += block) deposit(first, std::min(block, copies() - first), from);
     }
-    weights_->passOn(fields, cellSums);
+    weights_->passOn(sumFields, cellSums);
 }
 
 } // namespace hotbed

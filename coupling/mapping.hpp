@@ -18,6 +18,7 @@ struct ParticlePositions
     int count = 0;
     const double (*position)[3] = nullptr; ///< [m]
     const double* halfWidth = nullptr;     ///< n of the kernel [m]
+    const double* volume = nullptr;        ///< what goes to the cells at once [m3]; none by default
 };
 
 /// The one mapping between particles and cells, both ways (eq 4, 8): weights w_ic of particle i and cell c with
@@ -33,9 +34,10 @@ public:
     Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells);
 
     /// Weights for new positions. Collective.
+    /// @param volumes  [cells().size()], the particles' volumes are added to, where they have any
     /// @return for each particle of this rank whether its centre lies in the mesh. Particles that lie outside carry
     ///         no weights: nothing is exchanged with them.
-    const std::vector<char>& update(const ParticlePositions& particles);
+    const std::vector<char>& update(const ParticlePositions& particles, double* volumes = nullptr);
 
     /// What this rank has sent to others so far.
     std::int64_t bytesSent() const { return bytesSent_; }
@@ -63,23 +65,30 @@ public:
     const double* toHome(int fields, const double* copies);
 
     /// Weighted mean of cell values at the particles. Collective.
-    /// @param fields      values per cell: 1, 2, 4, 8 or 16
+    /// @param fields      values per cell: 1, 2, 4, 8, 12 or 16
     /// @param cellValues  [cells().size()][fields]
     /// @return [particles()][fields]; valid until the next call on this object
     const double* interpolate(int fields, const double* cellValues);
 
     /// Adds weight times particle value to the cells; local.
-    /// @param fields    values per particle: 1, 2, 4, 8 or 16
+    /// @param fields    values per particle: 1, 2, 4, 8, 12 or 16
     /// @param copies    [copies()][fields]
     /// @param cellSums  [cells().size()][fields], added to
     void deposit(int fields, const double* copies, double* cellSums) { weights_->deposit(fields, copies, cellSums); }
 
-    /// The same two, a block of particles at a time, so that the values of particles need not leave the cache.
+    /// Weighted means to the particles, a block of them at a time, so that these need not leave the cache. Collective.
     static constexpr int block = 256;
     using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
-    using Fill = std::function<void(int first, int count, double* values)>;      ///< sets all values of copies
     void interpolate(int fields, const double* cellValues, const Use& use);
-    void deposit(int fields, double* cellSums, const Fill& fill);
+
+    /// The same, and what the particles answer to the cells; on one rank block by block. Collective.
+    /// @param use     sets what its particles give
+    /// @param given   [particles()][givenFields]
+    /// @param fill    what is summed up, from what `count` copies give: [count][givenFields] -> [count][sumFields]
+    /// @param sums    [cells().size()][sumFields], added to
+    using Fill = std::function<void(int first, int count, const double* given, double* values)>;
+    void answer(int fields, const double* cellValues, const Use& use, int givenFields, const double* given,
+                const Fill& fill, int sumFields, double* sums);
 
 private:
     void route(const ParticlePositions& particles);
@@ -100,7 +109,7 @@ private:
     std::vector<int> sendStart_, receiveStart_; ///< by rank
     std::vector<Point> copyPosition_;           ///< on several ranks
     std::vector<char> inside_;
-    std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_;
+    std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_, filled_;
 };
 
 } // namespace hotbed

@@ -285,9 +285,9 @@ double** Dem::gasForce() const
     return instance_->drag->force();
 }
 
-void Dem::setGasForce(int particle, const double* force)
+void Dem::setGasForce(int first, int count, const double (*force)[3])
 {
-    instance_->drag->set(particle, force);
+    instance_->drag->set(first, count, force);
 }
 
 double** Dem::lastGasStep() const

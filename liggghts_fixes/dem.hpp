@@ -57,11 +57,11 @@ public:
     bool moving() const;     ///< whether anything in the script moves or adds particles
     bool heat() const;       ///< whether the script has a fix hotbed/heat
 
-    bool drag() const;                                   ///< whether the script has a fix hotbed/drag
-    double** gasForce() const;                           ///< force of the gas on each particle [N]
-    void setGasForce(int particle, const double* force); ///< from the next DEM step on [N]
-    double** lastGasStep() const;                        ///< see FixHotbedDrag::lastStep
-    const double (*force() const)[3];                    ///< all forces at the end of the last DEM step [N]
+    bool drag() const;                                                ///< whether the script has a fix hotbed/drag
+    double** gasForce() const;                                        ///< force of the gas on each particle [N]
+    void setGasForce(int first, int count, const double (*force)[3]); ///< from the next DEM step on [N]
+    double** lastGasStep() const;                                     ///< see FixHotbedDrag::lastStep
+    const double (*force() const)[3]; ///< all forces at the end of the last DEM step [N]
 
     /// Largest overlap of this rank's particles with each other and with primitive walls at the end of the last DEM
     /// step, over the diameter of the smaller particle; 0 where nothing touches or there is no pair_style gran.

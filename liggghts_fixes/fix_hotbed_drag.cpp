@@ -56,12 +56,15 @@ double** FixHotbedDrag::lastStep() const
     return lastStep_->array_atom;
 }
 
-void FixHotbedDrag::set(int particle, const double* force)
+void FixHotbedDrag::set(int first, int count, const double (*force)[3])
 {
-    double* kept = this->force()[particle];
-    if (atom->mask[particle] & groupbit)
-        for (int a = 0; a < 3; ++a) atom->f[particle][a] += force[a] - kept[a];
-    std::copy_n(force, 3, kept);
+    double** kept = this->force() + first;
+    for (int i = 0; i < count; ++i)
+    {
+        if (atom->mask[first + i] & groupbit)
+            for (int a = 0; a < 3; ++a) atom->f[first + i][a] += force[i][a] - kept[i][a];
+        std::copy_n(force[i], 3, kept[i]);
+    }
 }
 
 void FixHotbedDrag::keepForces()

@@ -21,9 +21,9 @@ public:
 
     double** force() const; ///< drag plus pressure gradient [N], by local particle
 
-    /// A new force, also in the sum that the next half step of the integration starts from: the particle then receives
-    /// exactly force times the gas step.
-    void set(int particle, const double* force);
+    /// New forces, also in the sum that the next half step of the integration starts from: the particle then receives
+    /// exactly force times the gas step. @param force  [count][3]
+    void set(int first, int count, const double (*force)[3]);
 
     double** lastStep()
         const; ///< 7 values: velocity at the start of the last gas step, force of the gas in it [N], its length [s]

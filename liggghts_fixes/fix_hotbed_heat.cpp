@@ -83,7 +83,8 @@ void FixHotbedHeat::receive(int first, int count, const double* heat)
 double FixHotbedHeat::compute_scalar()
 {
     double mine = 0.0, sum = 0.0;
-    for (int i = 0; i < atom->nlocal; ++i) mine += heatCapacity(i) * temperature()[i];
+    const double* T = temperature();
+    for (int i = 0; i < atom->nlocal; ++i) mine += heatCapacity(i) * T[i];
     MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
     return sum;
 }

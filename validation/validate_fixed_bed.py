@@ -117,7 +117,7 @@ def main():
         outside = max(bed["gas_T_max_K"].max() - plot.HOT, plot.COLD - bed["gas_T_min_K"].min())
         figures.add(f"l = {l}: gas temperature beyond its bounds [K]", outside, 1e-9)
         table = results.timing(run)
-        exchange = sum(table[name] for name in ("gas at particles", "closures", "to gas", "to particles"))
+        exchange = sum(table[name] for name in ("to gas", "to particles"))
         particles = bed["particles"][-1]
         figures.note(f"l = {l}: particles", particles)
         if l == "1" and not options.quick:

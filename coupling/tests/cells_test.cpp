@@ -204,7 +204,7 @@ TEST(Weights, SeveralFieldsAtATimeGiveWhatOneDoes)
         double found[n][2];
         weights->assign(int(n), particles, found);
         const std::size_t m = std::size_t(cells->size());
-        for (const int fields : {1, 2, 4, 8})
+        for (const int fields : {1, 2, 4, 8, 12, 16})
         {
             const auto entry = [](std::size_t row, int f) { return std::sin(1.0 + double(row) + 100.0 * f); };
             std::vector<double> cellValue, particleValue;
