@@ -26,6 +26,8 @@ import campaign
 import paper_figures
 import paper_tables
 import results
+from bed_pictures import Run
+from paraview import read_dump
 from run import read_settings
 
 HOT, COLD = 363.15, 293.15  # particles at the start, gas at the inlet [K]
@@ -33,7 +35,8 @@ NUDGES = (1, 1 + 1e-6, 1 - 1e-6)  # of the velocity, for repeats
 
 
 class Course:
-    """A run's mean temperature and Nusselt number at even times."""
+    """A run's mean temperature and Nusselt number at even times; the temperature of its uppermost fifth at the times of its
+    dumps, from the start on."""
 
     def __init__(self, run, times):
         self.setting = {k: float(v) for k, v in read_settings(run / "settings").items()}
@@ -41,6 +44,9 @@ class Course:
         bed = results.bed(run)
         self.temperature = np.interp(times, bed["time_s"], bed["T_mean_K"])
         self.nusselt = np.interp(times, bed["time_s"], bed["Nu_mean"])
+        dumps = {time: read_dump(file) for time, file in sorted(Run(run).dumps.items()) if time <= times[-1] + 1e-9}
+        self.dumps = list(dumps)
+        self.top = [d["f_Temp"][d["z"] >= np.quantile(d["z"], 0.8)].mean() for d in dumps.values()]
 
 
 def cooling_time(case, setting):
@@ -86,6 +92,9 @@ def compare(figures, case, u0, groups, times, start):
         worst = np.argmax(np.abs(away / drop))
         figures.add(f"u0 = {u0:g} m/s, l = {l:g}: mean temperature against gas that leaves at it, of the drop",
                     abs(away[worst] / drop[worst]), 0.02, f"at {times[worst]:.2f} s; {away[-1] / drop[-1]:+.2%} at the end, tau {tau:.1f} s")
+        cooled, carried = HOT - runs[0].temperature[-1], np.trapz(np.array(runs[0].top) - COLD, runs[0].dumps) / tau
+        figures.add(f"u0 = {u0:g} m/s, l = {l:g}: mean temperature against gas that leaves at that of the uppermost fifth, of the drop",
+                    abs(cooled / carried - 1), 0.02, f"{cooled:.3f} and {carried:.3f} K at the end")
     return referenceNu, campaign.bar(deviationNu, freedom, len(numbers[finest]), len(numbers[finest]))
 
 
