@@ -256,6 +256,15 @@ void Restart::complete(dictionary state, const Dem& dem)
     WholeFile last(folder() / "state");
     last.write(text.str().data(), text.str().size());
     last.close();
+    purge();
+}
+
+void Restart::purge() const
+{
+    if (runTime_.controlDict().lookupOrDefault<label>("purgeWrite", 0) == 0) return;
+    const fileName restarts = runTime_.globalPath() / "restart";
+    for (const fileName& time : readDir(restarts, fileName::DIRECTORY))
+        if (!isDir(runTime_.path() / time)) rmDir(restarts / time);
 }
 
 } // namespace hotbed

@@ -53,6 +53,7 @@ public:
 private:
     Foam::fileName folder() const; ///< of the present time
     void refuseDamaged() const;
+    void purge() const; ///< removes restarts whose fields purgeWrite has removed
 
     const Foam::Time& runTime_;
     bool resumed_ = false;

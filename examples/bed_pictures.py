@@ -19,8 +19,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import EllipseCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
+from PIL import Image
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("validation", "cfd_solver")]
 import results
@@ -28,7 +30,9 @@ from paraview import read_dump
 from run import read_settings
 
 STYLES = ["-", "--", "-.", ":", (0, (1, 1, 4, 1)), (0, (6, 3))]
-TEMPERATURE, NUSSELT = ("f_Temp", "particle temperature [K]", "turbo"), ("f_Nusselt", "Nusselt number", "viridis")
+# even to the colour-blind, and without the yellow that is lost on white
+WARMTH = ListedColormap(plt.cm.plasma(np.linspace(0, 0.87, 256)))
+TEMPERATURE, NUSSELT = ("f_Temp", "particle temperature [K]", WARMTH), ("f_Nusselt", "Nusselt number", "viridis")
 
 
 class Run:
@@ -55,6 +59,10 @@ class Run:
         if time not in self.read:
             self.read[time] = read_dump(self.dumps[time])
         return self.read[time]
+
+    def layers(self):
+        """Edges of layers two cells high [m]."""
+        return np.linspace(0, self.height, int(self.setting["cellsHeight"]) // 2 + 1)
 
     def weight(self):
         """Weight of the particles over the cross-section [Pa]."""
@@ -85,42 +93,59 @@ def after_start(run):
     return min(2.5, 0.2 * run.bed["time_s"][-1])
 
 
+def top_of(runs, times):
+    """Height of pictures that show all but a few particles of the runs [m]."""
+    return min(max(r.height for r in runs), 1.1 * max(np.percentile(r.particles(t)["z"], 99.9) for r in runs for t in times))
+
+
+def cut(axis, run, time, top, column, **look):
+    """Particles near the centre plane as circles of their size, coloured by a column of the dump."""
+    p = run.particles(time)
+    away = np.abs(p["y"] - run.middle)
+    near = np.flatnonzero(away < 2 * p["radius"])
+    near = near[np.argsort(-away[near])]  # the nearest on top
+    size = 2e3 * p["radius"][near]
+    circles = axis.add_collection(EllipseCollection(
+        size, size, np.zeros(len(near)), units="xy", array=p[column][near], offsets=1e3 * np.c_[p["x"], p["z"]][near],
+        offset_transform=axis.transData, linewidths=0, **look))
+    axis.set_aspect("equal")
+    axis.set_xlim(1e3 * run.low, 1e3 * (run.low + run.width))
+    axis.set_ylim(0, 1e3 * top)
+    axis.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
+    return circles
+
+
+def colouring(runs, times, quantity):
+    """Colours of a quantity for `cut`, the same for all runs and times: all but the outermost hundredths differ in colour.
+    @return (look, what Figure.colorbar is told)"""
+    column, label, cmap = quantity
+    values = np.concatenate([r.particles(t)[column] for r in runs for t in times])
+    low, high = np.percentile(values, [1, 99])
+    extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
+    return (dict(column=column, cmap=cmap, clim=(low, high)),
+            dict(label=label, aspect=25, extend=extend[values.min() < low, values.max() > high]))
+
+
 def configurations(runs, times, quantity):
-    """Particles near the centre plane as circles of their size: a row a run, a column a time."""
-    column, label, colours = quantity
-    shown = [run.particles(t) for run in runs for t in times]
-    top = min(max(r.height for r in runs), 1.1 * max(np.percentile(p["z"], 99.9) for p in shown))
-    values = np.concatenate([p[column] for p in shown])
-    limits = np.percentile(values, [1, 99])
+    """Particles near the centre plane: a row a run, a column a time."""
+    look, bar = colouring(runs, times, quantity)
+    top = top_of(runs, times)
     wide = 1.9
     tall = wide * top / max(r.width for r in runs)
     figure, axes = plt.subplots(len(runs), len(times), squeeze=False, sharex=True, sharey=True, layout="compressed",
                                 figsize=(wide * len(times) + 1.6, (tall + 0.4) * len(runs) + 0.7))
     for run, row in zip(runs, axes):
         for axis, time in zip(row, times):
-            p = run.particles(time)
-            away = np.abs(p["y"] - run.middle)
-            near = np.flatnonzero(away < 2 * p["radius"])
-            near = near[np.argsort(-away[near])]  # the nearest on top
-            size = 2e3 * p["radius"][near]
-            circles = axis.add_collection(EllipseCollection(
-                size, size, np.zeros(len(near)), units="xy", array=p[column][near], cmap=colours, clim=limits,
-                offsets=1e3 * np.c_[p["x"], p["z"]][near], offset_transform=axis.transData, linewidths=0))
-            axis.set_aspect("equal")
-            axis.set_xlim(1e3 * run.low, 1e3 * (run.low + run.width))
-            axis.set_ylim(0, 1e3 * top)
+            circles = cut(axis, run, time, top, **look)
             axis.set_title(f"{time:g} s", fontsize=10)
     for axis in axes[-1]:
         axis.set_xlabel("x [mm]")
-        axis.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
     for run, axis in zip(runs, axes[:, 0]):
         axis.set_ylabel("height [mm]")
         if len(runs) > 1:
             axis.set_title(f"$l$ = {run.l:g}, $u_0$ = {run.u0:g} m/s\n{times[0]:g} s", fontsize=10, loc="left")
             axis.set_title("")
-    extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
-    figure.colorbar(circles, ax=axes, label=label, shrink=0.8 if len(runs) == 1 else 0.5, aspect=25,
-                    extend=extend[values.min() < limits[0], values.max() > limits[1]])
+    figure.colorbar(circles, ax=axes, shrink=0.8 if len(runs) == 1 else 0.5, **bar)
     return figure
 
 
@@ -133,12 +158,11 @@ def pdf(axis, values, **look):
 
 
 def profile(axis, run, particles, **look):
-    """Mean temperature of layers of the bed, two cells high."""
-    layer = (particles["z"] * float(run.setting["cellsHeight"]) / (2 * run.height)).astype(int)
-    count = np.bincount(layer)
+    """Mean temperature of layers of the bed."""
+    edges = run.layers()
+    mean, count = results.layer_means(particles["z"], particles["f_Temp"], edges)
     filled = count >= 5
-    mean = [np.bincount(layer, particles[name])[filled] / count[filled] for name in ("z", "f_Temp")]
-    axis.plot(1e3 * mean[0], mean[1], **look)
+    axis.plot(1e3 * (edges[1:] + edges[:-1])[filled] / 2, mean[filled], **look)
 
 
 def groups(runs):
@@ -251,6 +275,13 @@ def bed(runs, style):
     return figure
 
 
+def save(figure, path, dpi=150):
+    """Writes a picture with a palette of 256 colours, a third of the size, and closes it."""
+    figure.savefig(path, dpi=dpi, bbox_inches="tight")
+    plt.close(figure)
+    Image.open(path).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
@@ -267,6 +298,5 @@ def main():
         for axis in figure.axes:
             if name in ("temperature", "nusselt", "bed"):
                 axis.grid(alpha=0.25)
-        figure.savefig(place / f"{name}.png", dpi=150, bbox_inches="tight")
-        plt.close(figure)
+        save(figure, place / f"{name}.png")
     print(f"pictures: {place}/{{{','.join(pictures)}}}.png")

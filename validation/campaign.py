@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import t as student
 
 import results
 import run as hotbed
@@ -81,3 +82,19 @@ def mean(bed, column, start, end, blocks=5):
     values = [np.trapz(bed[column][inside], time[inside]) / np.ptp(time[inside])
               for inside in ((time >= a) & (time <= b) for a, b in zip(edges, edges[1:]))]
     return np.mean(values), np.std(values, ddof=1) / np.sqrt(blocks)
+
+
+def spread(groups):
+    """Standard deviation of a run from runs that differ by nothing that matters, pooled.
+
+    @param groups  arrays [repeats, ...]
+    @return (deviation [...], degrees of freedom)
+    """
+    freedom = sum(len(g) - 1 for g in groups)
+    squares = sum(((g - g.mean(axis=0))**2).sum(axis=0) for g in groups)
+    return np.sqrt(squares / freedom), freedom
+
+
+def bar(deviation, freedom, *repeats):
+    """Half-width of the 95 % confidence interval of a mean of so many repeats, or of the difference of two such means."""
+    return student.ppf(0.975, freedom) * deviation * np.sqrt(sum(1 / n for n in repeats))

@@ -152,8 +152,7 @@ def axial_profile(run, reference, layers=16):
         """Mean of each layer in each block of dumps, nan where a layer is empty."""
         for block in np.array_split(times, BLOCKS):
             height, value = (np.concatenate([record.column(c)[t] for t in block]) for c in ("z", "f_Temp"))
-            with np.errstate(invalid="ignore", divide="ignore"):
-                yield np.histogram(height, edges, weights=value)[0] / np.histogram(height, edges)[0]
+            yield results.layer_means(height, value, edges)[0]
 
     own, theirs = (np.array(list(profiles(record))) for record in (run, reference))
     filled = np.isfinite(own + theirs).all(axis=0)

@@ -36,6 +36,13 @@ def layers(path):
     return {step: np.array([r for r in rows if r[1] > 0]) for step, rows in profiles.items()}
 
 
+def layer_means(heights, values, edges):
+    """Mean of a quantity of the particles in each layer. @return (mean, nan where there are none; particles), [layers]"""
+    count = np.histogram(heights, edges)[0]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.histogram(heights, edges, weights=values)[0] / count, count
+
+
 def bed(run):
     """bed.csv of a run as a structured array; where the run was stopped and went on, one piece after the other. A line that
     a killed run left unfinished is dropped."""

@@ -1,13 +1,17 @@
 """The paper's campaign: mean temperature and Nusselt number of a fluidised bed at every coarse-graining ratio and velocity
 against the finest one (Figs 5 and 11), and against a bed whose gas leaves at the particles' mean temperature.
 
-`./hotbed validate paper [--bed fluidized_bed] [--until T] [--quick]`: the slim bed at `l` = 1, 1.5, 2, 2.5 for 5 s, hours;
-stopped runs go on. Coarse runs are repeated with a velocity that differs by a millionth: the bed is chaotic, and its repeats
-tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at `l` = 2 and 2.5 for 2.5 s.
---quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s."""
+`./hotbed validate paper [--bed fluidized_bed] [--until T] [--quick] [--figures [FOLDER]]`: the slim bed at `l` = 1, 1.5, 2,
+2.5 for 5 s, hours; stopped runs go on. Coarse runs are repeated with a velocity that differs by a millionth: the bed is
+chaotic, and its repeats tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at
+`l` = 2 and 2.5 for 2.5 s.
+--quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s.
+
+Writes small tables, results/paper*.csv, and from them and the runs the paper's figures 2 to 12 beside the runs. --figures runs
+nothing: it makes the tables anew from the runs that have come to the end (or to --until), if there are any, and draws the
+figures, in FOLDER if one is given."""
 
 import argparse
-import csv
 import itertools
 import re
 import shutil
@@ -15,12 +19,15 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import t as student
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import campaign
+import paper_figures
+import paper_tables
 import results
+from bed_pictures import Run
+from paraview import read_dump
 from run import read_settings
 
 HOT, COLD = 363.15, 293.15  # particles at the start, gas at the inlet [K]
@@ -28,7 +35,8 @@ NUDGES = (1, 1 + 1e-6, 1 - 1e-6)  # of the velocity, for repeats
 
 
 class Course:
-    """A run's mean temperature and Nusselt number at even times."""
+    """A run's mean temperature and Nusselt number at even times; the temperature of its uppermost fifth at the times of its
+    dumps, from the start on."""
 
     def __init__(self, run, times):
         self.setting = {k: float(v) for k, v in read_settings(run / "settings").items()}
@@ -36,22 +44,9 @@ class Course:
         bed = results.bed(run)
         self.temperature = np.interp(times, bed["time_s"], bed["T_mean_K"])
         self.nusselt = np.interp(times, bed["time_s"], bed["Nu_mean"])
-
-
-def spread(groups):
-    """Standard deviation of a run from runs that differ by nothing that matters, pooled.
-
-    @param groups  arrays [repeats, ...]
-    @return (deviation [...], degrees of freedom)
-    """
-    freedom = sum(len(g) - 1 for g in groups)
-    squares = sum(((g - g.mean(axis=0))**2).sum(axis=0) for g in groups)
-    return np.sqrt(squares / freedom), freedom
-
-
-def bar(deviation, freedom, *repeats):
-    """Half-width of the 95 % confidence interval of the difference of two means of so many repeats."""
-    return student.ppf(0.975, freedom) * deviation * np.sqrt(sum(1 / n for n in repeats))
+        dumps = {time: read_dump(file) for time, file in sorted(Run(run).dumps.items()) if time <= times[-1] + 1e-9}
+        self.dumps = list(dumps)
+        self.top = [d["f_Temp"][d["z"] >= np.quantile(d["z"], 0.8)].mean() for d in dumps.values()]
 
 
 def cooling_time(case, setting):
@@ -76,18 +71,18 @@ def compare(figures, case, u0, groups, times, start):
     finest = min(groups)
     values = {l: np.array([c.temperature for c in g]) for l, g in groups.items()}
     numbers = {l: np.array([c.nusselt[late].mean() for c in g]) for l, g in groups.items()}
-    deviation, freedom = spread([v for v in values.values() if len(v) > 1])
-    deviationNu, _ = spread([n for n in numbers.values() if len(n) > 1])
+    deviation, freedom = campaign.spread([v for v in values.values() if len(v) > 1])
+    deviationNu, _ = campaign.spread([n for n in numbers.values() if len(n) > 1])
     reference, referenceNu = values[finest].mean(axis=0), numbers[finest].mean()
     for l in sorted(groups)[1:]:
-        allowed = bar(deviation, freedom, len(values[l]), len(values[finest]))
+        allowed = campaign.bar(deviation, freedom, len(values[l]), len(values[finest]))
         away = np.abs(values[l].mean(axis=0) - reference)
         beyond = np.where(away > allowed, away, 0) / (HOT - reference)
         worst = np.argmax(away / (HOT - reference))
         figures.add(f"u0 = {u0:g} m/s, l = {l:g} against {finest:g}: mean temperature, of the drop, beyond its bar", beyond.max(),
                     0.01, f"largest {away[worst] / (HOT - reference[worst]):.2%} at {times[worst]:.2f} s, bar there "
                     f"{allowed[worst] / (HOT - reference[worst]):.2%}")
-        allowed = bar(deviationNu, freedom, len(numbers[l]), len(numbers[finest])) / referenceNu
+        allowed = campaign.bar(deviationNu, freedom, len(numbers[l]), len(numbers[finest])) / referenceNu
         figures.add(f"u0 = {u0:g} m/s, l = {l:g} against {finest:g}: mean Nusselt number", abs(numbers[l].mean() / referenceNu - 1),
                     max(0.01, allowed), f"{numbers[l].mean():.3f} and {referenceNu:.3f}, bar {allowed:.2%}")
     for l, runs in sorted(groups.items()):
@@ -97,7 +92,10 @@ def compare(figures, case, u0, groups, times, start):
         worst = np.argmax(np.abs(away / drop))
         figures.add(f"u0 = {u0:g} m/s, l = {l:g}: mean temperature against gas that leaves at it, of the drop",
                     abs(away[worst] / drop[worst]), 0.02, f"at {times[worst]:.2f} s; {away[-1] / drop[-1]:+.2%} at the end, tau {tau:.1f} s")
-    return referenceNu, bar(deviationNu, freedom, len(numbers[finest]), len(numbers[finest]))
+        cooled, carried = HOT - runs[0].temperature[-1], np.trapz(np.array(runs[0].top) - COLD, runs[0].dumps) / tau
+        figures.add(f"u0 = {u0:g} m/s, l = {l:g}: mean temperature against gas that leaves at that of the uppermost fifth, of the drop",
+                    abs(cooled / carried - 1), 0.02, f"{cooled:.3f} and {carried:.3f} K at the end")
+    return referenceNu, campaign.bar(deviationNu, freedom, len(numbers[finest]), len(numbers[finest]))
 
 
 def main():
@@ -108,6 +106,7 @@ def main():
                         help="coarse-graining ratios, the coarsest first; the finest is compared with")
     parser.add_argument("--at-once", type=int, default=2, help="runs at a time, one core each (default 2)")
     parser.add_argument("--quick", action="store_true", help="l = 2 and 2.5, one velocity, 1 s")
+    parser.add_argument("--figures", nargs="?", const="", metavar="FOLDER", help="run nothing, draw the paper's figures")
     options = parser.parse_args()
     slim = options.bed == "slim_bed"
     end = options.until or (1 if options.quick else 5 if slim else 2.5)
@@ -116,18 +115,30 @@ def main():
     start = 0.4 * end if end < 5 else 2.5  # the paper leaves out its first 2.5 s
     folder = Path("results") / "paper" / (options.bed + ("-quick" if options.quick else ""))
     case = folder / "case"
-    shutil.copytree(ROOT / "examples" / options.bed, case, dirs_exist_ok=True)
-    # else the particles heat the gas they start in at once, the more of it the wider their kernels
-    campaign.edit(case / "0/T", rf"^internalField   uniform {COLD}", f"internalField   uniform {HOT}")
+    name = "paper" if slim else "paper_" + options.bed
+    stem = Path("results") / (name + ("-quick" if options.quick else ""))  # of the tables
 
     plan = [(l, u0, nudge) for l, u0 in itertools.product(ratios, velocities)
             for nudge in (NUDGES if l == ratios[0] else NUDGES[:2 if l == "2" and slim else 1])]
-    runs = campaign.run_all(case, folder, [
-        {"l": l, "u0": f"{float(u0) * nudge:.9g}", "endTime": f"{end:g}", "writeInterval": "0.1"} for l, u0, nudge in plan],
-        options.at_once)
+    settings = [{"l": l, "u0": f"{float(u0) * nudge:.9g}", "endTime": f"{end:g}", "writeInterval": "0.1"} for l, u0, nudge in plan]
+    if options.figures is None:
+        shutil.copytree(ROOT / "examples" / options.bed, case, dirs_exist_ok=True)
+        # else the particles heat the gas they start in at once, the more of it the wider their kernels
+        campaign.edit(case / "0/T", rf"^internalField   uniform {COLD}", f"internalField   uniform {HOT}")
+        campaign.run_all(case, folder, settings, options.at_once)
+    folders = {key: folder / campaign.name(s) for key, s in zip(plan, settings) if campaign.done(folder / campaign.name(s), s)}
+    if not folders and not paper_tables.path(stem, "").is_file():
+        sys.exit(f"hotbed: neither runs that have reached {end:g} s in {folder} nor {stem}.csv: run the campaign, or give --until")
     times = np.linspace(0.1, end, 50)
-    courses = {key: Course(run, times) for key, run in zip(plan, runs)}
-    figures = results.Figures("paper" if slim else "paper_" + options.bed)
+    runs, shown = paper_tables.make(stem, folders, times, start) if folders else ({}, [])
+    pictures = Path(options.figures or folder)
+    pictures.mkdir(parents=True, exist_ok=True)
+    paper_figures.draw(stem, runs, shown, start, pictures)
+    if options.figures is not None:
+        return
+
+    figures = results.Figures(name)
+    courses = {key: Course(run, times) for key, run in folders.items()}
     means = []
     for u0 in velocities:
         groups = {}
@@ -138,12 +149,8 @@ def main():
     for (slow, fast), ((above, a), (below, b)) in zip(itertools.pairwise(velocities), itertools.pairwise(means)):
         figures.add(f"mean Nusselt number at {fast} m/s less than at {slow} m/s, over the bars of the two",
                     (above - below) / np.hypot(a, b), 1.0, f"{below:.3f} and {above:.3f}", least=True)
-    with open(figures.folder / f"{figures.name}{'-quick' if options.quick else ''}.csv", "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["l", "u0", "nudge", "time_s", "T_mean_K", "Nu_mean"])
-        for (l, u0, nudge), course in courses.items():
-            for row in zip(times, course.temperature, course.nusselt):
-                table.writerow([l, u0, nudge, *(f"{x:.7g}" for x in row)])
+    for what, value in paper_tables.distances(stem, HOT).items():
+        figures.note(what, value)
     sys.exit(figures.close())
 
 

@@ -27,6 +27,13 @@ class RestartTest(CoupledTest):
         self.assertIn('0.0025" was left unfinished', log)
         self.assertTrue((target / "restart/0.003/state").exists())
 
+    def test_purge(self):
+        target = self.scene("purge", **{**SMALL, "writeInterval": "0.0005"})
+        with open(target / "system/controlDict", "a") as control:
+            control.write("purgeWrite 2;\n")
+        self.assertEqual(self.solve(target)[0], 0)
+        self.assertEqual(sorted(folder.name for folder in (target / "restart").iterdir()), ["0.0015", "0.002"])
+
     def test_script_that_ignores_the_restart(self):
         target = self.start("ignores")
         self.assertEqual(self.solve(target)[0], 0)

@@ -1,0 +1,73 @@
+"""Tables and figures of the paper's campaign, from made-up runs whose distances are known."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "validation"), str(ROOT / "cfd_solver")]
+import paper_figures
+import paper_tables
+
+TIMES = (0.0, 0.1, 0.2, 0.3, 0.4)
+HOT = 363.15
+SETTINGS = "l {l};\nu0 {u0};\nwidth 0.02;\ndepth 0.01;\nheight 0.1;\ncellsHeight 80;\ndeltaTDEM 2.5e-6;\n"
+
+
+def make_up(folder, l, u0, nusselt, cooling):
+    """A run of 4000 particles in a bed of 50 mm. @param nusselt mean of their numbers; @param cooling mean of all layers [K]"""
+    (folder / "DEM/post").mkdir(parents=True)
+    (folder / "postProcessing/hotbed/0").mkdir(parents=True)
+    (folder / "settings").write_text(SETTINGS.format(l=l, u0=u0))
+    (folder / "postProcessing/hotbed/0/bed.csv").write_text("time_s,T_mean_K,Nu_mean\n" + "".join(
+        f"{t},{HOT - cooling * t / 0.4},{nusselt}\n" for t in TIMES))
+    random = np.random.default_rng(1)
+    x, y, z, Nu = random.uniform(0, (0.02, 0.01, 0.05, 1), (4000, 4)).T
+    for t in TIMES:
+        rows = np.c_[np.arange(4000), x, y, z, np.full(4000, 2.5e-4 * l), HOT - cooling * t / 0.4 * (0.5 + Nu), Nu - 0.5 + nusselt]
+        (folder / f"DEM/post/particles{round(t / 2.5e-6)}.txt").write_text(
+            "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n4000\nITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
+            "ITEM: ATOMS id x y z radius f_Temp f_Nusselt\n" + "".join(" ".join(f"{v:.9g}" for v in r) + "\n" for r in rows))
+    return folder
+
+
+class Paper(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.folder = Path(cls.temporary.name)
+        cls.stem = cls.folder / "paper"
+        runs = {("1", "0.2", 1): (8.0, 10), ("2", "0.2", 1): (8.4, 11), ("2", "0.2", 1.000001): (8.4, 11), ("1", "0.3", 1): (7.0, 12),
+                ("2", "0.3", 1): (7.0, 12)}
+        cls.made = paper_tables.make(cls.stem, {key: make_up(cls.folder / "-".join(map(str, key)), float(key[0]), key[1], *numbers)
+                                                for key, numbers in runs.items()}, np.linspace(0.1, 0.4, 50), 0.2)
+
+    def test_distances_are_those_of_the_made_up_runs(self):
+        found = paper_tables.distances(self.stem, HOT)
+        self.assertEqual(len(found), 6)
+        for name, value in found.items():
+            with self.subTest(name):
+                expected = 0 if "u0 = 0.3" in name or "repeats" in name else 0.4 / 8 if "Nusselt" in name else 1 / 10
+                self.assertAlmostEqual(value, expected, delta=2e-4)
+
+    def test_densities_integrate_to_one(self):
+        for table, x, y in (("nusselt", "Nu", "density"), ("temperature", "T_K", "density_per_K")):
+            for key, lines in paper_tables.Table(self.stem, table).runs.items():
+                with self.subTest(table, key=key):
+                    if table == "temperature":
+                        lines = lines[lines["time_s"] == 0.4]
+                    self.assertAlmostEqual(lines[y].sum() * np.diff(lines[x])[0], 1, delta=6e-3)
+
+    def test_pictures_are_drawn_from_the_tables_alone(self):
+        for made, number in (((({}), []), 5), (self.made, 7)):
+            with tempfile.TemporaryDirectory() as place:
+                paper_figures.draw(self.stem, *made, 0.2, place)
+                self.assertEqual(len(list(Path(place).glob("paper_fig*.png"))), number)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
