@@ -162,6 +162,26 @@ CouplingSettings::CouplingSettings(const Time& runTime)
                                         << "to 0 to keep all" << exit(FatalIOError);
 }
 
+std::array<int, 3> piecesOfParticles(const Time& runTime)
+{
+    const auto file = [&](const char* name, const fileName& folder)
+    { return IOobject(name, folder, runTime, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE, false); };
+    const IOdictionary dict(file("decomposeParDict", runTime.system()));
+    const word method = dict.lookupOrDefault<word>("method", "none");
+    if (method == "simple" || method == "hierarchical")
+    {
+        const dictionary& coeffs = dict.optionalSubDict("coeffs").optionalSubDict(method + "Coeffs");
+        const Vector<label> n = coeffs.lookupOrDefault("n", Vector<label>(Zero));
+        if (n.x() * n.y() * n.z() == Pstream::nProcs()) return {n.x(), n.y(), n.z()};
+    }
+    std::array<int, 3> pieces = {0, 0, 0};
+    const IOdictionary gravity(file("g", runTime.constant()));
+    const vector g = gravity.lookupOrDefault("value", vector(Zero));
+    const vector size(mag(g.x()), mag(g.y()), mag(g.z()));
+    if (mag(g) > 0) pieces[size.x() > max(size.y(), size.z()) ? 0 : size.y() > size.z() ? 1 : 2] = 1;
+    return pieces;
+}
+
 StepSettings::StepSettings(const Time& runTime)
 {
     const dictionary& control = runTime.controlDict();
