@@ -53,7 +53,7 @@ void FixHotbedBalance::move(int axis, double* planes) const
     for (int i = 0; i < atom->nlocal; ++i)
     {
         const double place = (atom->x[i][axis] - domain->boxlo[axis]) / domain->prd[axis];
-        ++count[std::size_t(std::clamp(place * (last + 1), 0.0, double(last)))];
+        ++count[place > 0.0 ? std::size_t(std::min(place * (last + 1), double(last))) : 0];
     }
     MPI_Allreduce(MPI_IN_PLACE, count.data(), last + 1, MPI_DOUBLE, MPI_SUM, world);
     hotbed::moveTowardsEqualShares(planes, comm->procgrid[axis], count, comm->cutghost[axis] / domain->prd[axis]);
