@@ -164,9 +164,8 @@ CouplingSettings::CouplingSettings(const Time& runTime)
 
 std::array<int, 3> piecesOfParticles(const Time& runTime)
 {
-    const auto file = [&](const char* name, const fileName& folder)
-    { return IOobject(name, folder, runTime, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE, false); };
-    const IOdictionary dict(file("decomposeParDict", runTime.system()));
+    const IOdictionary dict(IOobject("decomposeParDict", runTime.system(), runTime, IOobject::READ_IF_PRESENT,
+                                     IOobject::NO_WRITE, false));
     const word method = dict.lookupOrDefault<word>("method", "none");
     if (method == "simple" || method == "hierarchical")
     {
@@ -175,10 +174,10 @@ std::array<int, 3> piecesOfParticles(const Time& runTime)
         if (n.x() * n.y() * n.z() == Pstream::nProcs()) return {n.x(), n.y(), n.z()};
     }
     std::array<int, 3> pieces = {0, 0, 0};
-    const IOdictionary gravity(file("g", runTime.constant()));
-    const vector g = gravity.lookupOrDefault("value", vector(Zero));
-    const vector size(mag(g.x()), mag(g.y()), mag(g.z()));
-    if (mag(g) > 0) pieces[size.x() > max(size.y(), size.z()) ? 0 : size.y() > size.z() ? 1 : 2] = 1;
+    const vector g = uniformDimensionedVectorField(
+                         IOobject("g", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false))
+                         .value();
+    if (mag(g) > 0) pieces[findMax(FixedList<scalar, 3>{mag(g.x()), mag(g.y()), mag(g.z())})] = 1;
     return pieces;
 }
 

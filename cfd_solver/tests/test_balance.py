@@ -1,13 +1,14 @@
 """How the particles are shared out among ranks: as the gas is where the script does not say, and anew as the bed moves."""
 
 import re
+import shutil
 import unittest
 
 import numpy as np
 
-from scenes import DUMP, TIGHT, SlimBedTest, run  # first: it finds the modules below
+from scenes import DUMP, TIGHT, SLIM_BED, SlimBedTest, run  # first: it finds the modules below
+import decompose
 
-FREE = ("DEM/in.bed", r"^processors .*\n", "")  # nothing is said of the particles
 HEAP = ("DEM/in.bed", r"^(region\s+layers block 0) \$\{width\}", r"\1 0.01")  # in one half of the width
 BALANCE = ("DEM/in.bed", r"^timestep", "fix balance all hotbed/balance every 20\ntimestep")
 # Without exchange of heat, which amplifies round-off where a hot heap lies beside a cold jet. The particles' temperatures tell
@@ -40,7 +41,7 @@ class Balance(SlimBedTest):
         self.assertLess(off, 1e-8)
 
     def test_heap_on_one_side(self):
-        edits = TIGHT + DUMP + TWO_TEMPERATURES + [FREE, HEAP]
+        edits = TIGHT + DUMP + TWO_TEMPERATURES + [HEAP]
         one, log = self.bed("one", 1, edits, **END)
         self.assertNotIn("imbalance", log)
         still, before = self.bed("still", 4, edits + [gas("4 1 1")], **END)
@@ -53,6 +54,55 @@ class Balance(SlimBedTest):
         self.assertEqual(set(expected[:, 6]), {343.15, 363.15})
         self.compare("as cut", still, expected)
         self.compare("with fix hotbed/balance", moved, expected)
+
+    def test_goes_on_from_a_restart(self):
+        edits = TIGHT + DUMP + TWO_TEMPERATURES + [HEAP, BALANCE]
+        half = {**END, "writeInterval": "0.00025"}
+        whole, _ = self.bed("whole", 2, edits, **half)
+        pieces, _ = self.bed("pieces", 2, edits, **{**half, "endTime": "0.00025"})
+        run.resume(pieces, {"endTime": END["endTime"]}, ranks=2)
+        code, log = self.solve(pieces, 2)
+        self.assertEqual(code, 0, log[-2000:])
+        self.compare("going on from a restart", pieces, self.places(whole))
+
+
+class Cuts(SlimBedTest):
+    def cut(self, name, edits):
+        """@return (pieces of the particles' box, KiB sent a step) on 4 ranks"""
+        target, log = self.bed(name, 4, edits, endTime="2.5e-5")
+        grid = re.search(r"(\d) by (\d) by (\d) MPI processor grid", (target / "log.liggghts").read_text())
+        return " ".join(grid.groups()), float(re.search(r"sent by a rank a step\s+(\S+)", log)[1])
+
+    def test_particles_are_cut_as_the_gas_is(self):
+        scattered = ("system/decomposeParDict", r"method[\s\S]*", "method random;\n")
+        chosen, sent = self.cut("chosen", [("settings", r"^depth .*", "depth 0.02;"), gas("2 1 1")])
+        self.assertEqual(chosen, "2 2 1", "by hotbed run, for a square")
+        given, _ = self.cut("given", [gas("1 4 1")])
+        self.assertEqual(given, "1 4 1")
+        script, more = self.cut("script", [("settings", r"^depth .*", "depth 0.02;"), gas("2 2 1"),
+                                           ("DEM/in.bed", r"^newton", "processors 1 1 4\nnewton")])
+        self.assertEqual(script, "1 1 4")
+        print(f"2 x 2: a rank sends {sent} KiB a step, with particles cut otherwise {more}")
+        self.assertLess(sent, 0.5 * more)
+        for up, axis in ((("constant/g", r"\(0 0 -9\.81\)", "(9.81 0 0)"), 0), (("constant/g", r"9\.81", "9.80"), 2)):
+            pieces, _ = self.cut(f"scattered{axis}", [scattered, up])
+            self.assertEqual(pieces.split()[axis], "1", "not across gravity")
+
+    def test_without_a_dictionary(self):
+        case = self.folder / "case"
+        shutil.copytree(SLIM_BED, case)
+        (case / "system/decomposeParDict").unlink()
+        run.prepare(case, self.folder / "run", {"l": "2.5"}, ranks=4)
+        self.assertIn("n (4 1 1)", (self.folder / "run/system/decomposeParDict").read_text())
+        self.assertTrue((self.folder / "run/processor3").is_dir())
+
+    def test_pieces(self):
+        down = (0, 0, -9.81)
+        for ranks, size, gravity, expected in (
+                (4, (0.04, 0.025, 0.2), down, (2, 2, 1)), (8, (0.04, 0.025, 0.2), down, (4, 2, 1)),
+                (4, (0.04, 0.01, 0.2), down, (4, 1, 1)), (7, (0.04, 0.025, 0.2), down, (7, 1, 1)),
+                (4, (0.2, 0.02, 0.01), (9.81, 0.1, 0), (1, 4, 1)), (4, (0.015, 0.015, 0.15), (0, 0, 0), (1, 1, 4))):
+            self.assertEqual(decompose.pieces(ranks, size, gravity), expected)
 
 
 if __name__ == "__main__":
