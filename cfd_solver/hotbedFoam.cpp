@@ -148,9 +148,11 @@ void printStopped(const Time& runTime, int signal, bool restarts)
         Info << "fields written, no restart (writeRestart no in constant/couplingProperties)" << nl;
 }
 
-/// The lines below the timing table. @param particleSteps DEM steps times the particles of this rank
+/// The lines below the timing table. @param particleSteps DEM steps times the particles of this rank, summed over the
+/// run.
+/// @param total  time of the run [s]
 void printSpeed(Timing& timing, const fvMesh& mesh, const Dem& dem, const Coupling& coupling, scalar particleSteps,
-                long steps)
+                double total, long steps)
 {
     const auto sum = [](scalar value) { return returnReduce(value, sumOp<scalar>()); };
     const auto largest = [](scalar value) { return returnReduce(value, maxOp<scalar>()); };
@@ -185,6 +187,8 @@ void printSpeed(Timing& timing, const fvMesh& mesh, const Dem& dem, const Coupli
         if (dem.moving()) imbalance("imbalance, DEM at work", timing.busy("DEM"));
         imbalance("imbalance, exchange at work", exchange);
         imbalance("imbalance, gas at work", timing.busy("gas"));
+        row("waiting, mean of the ranks", 100 * sum(secondsInMpi()) / Pstream::nProcs() / total,
+            "% of the run, in MPI");
     }
     rusage usage;
     getrusage(RUSAGE_SELF, &usage);
@@ -325,9 +329,10 @@ int main(int argc, char* argv[])
         dem->finish();
         for (const auto& part : dem->times()) timing.add("DEM: " + part.first, part.second);
         std::ostringstream table;
-        timing.print(table, MPI_COMM_WORLD, MPI_Wtime() - start, steps);
+        const double total = MPI_Wtime() - start;
+        timing.print(table, MPI_COMM_WORLD, total, steps);
         Info << nl << table.str().c_str();
-        printSpeed(timing, mesh, *dem, coupling, particleSteps, steps);
+        printSpeed(timing, mesh, *dem, coupling, particleSteps, total, steps);
         Info << nl << "End" << nl << endl;
     }
     const bool interrupted = stopped && stopped != SIGUSR2;

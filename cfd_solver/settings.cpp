@@ -164,8 +164,8 @@ CouplingSettings::CouplingSettings(const Time& runTime)
 
 std::array<int, 3> piecesOfParticles(const Time& runTime)
 {
-    const IOdictionary dict(IOobject("decomposeParDict", runTime.system(), runTime, IOobject::READ_IF_PRESENT,
-                                     IOobject::NO_WRITE, false));
+    const IOdictionary dict(
+        IOobject("decomposeParDict", runTime.system(), runTime, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE, false));
     const word method = dict.lookupOrDefault<word>("method", "none");
     if (method == "simple" || method == "hierarchical")
     {

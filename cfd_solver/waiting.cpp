@@ -53,6 +53,6 @@ extern "C"
            int fromRank, int otherTag, MPI_Comm comm, MPI_Status* status),
           (from, n, type, toRank, tag, to, m, other, fromRank, otherTag, comm, status))
     TIMED(Probe, (int rank, int tag, MPI_Comm comm, MPI_Status* status), (rank, tag, comm, status))
-    TIMED(Wait, (MPI_Request* request, MPI_Status* status), (request, status))
+    TIMED(Wait, (MPI_Request * request, MPI_Status* status), (request, status))
     TIMED(Waitall, (int n, MPI_Request* requests, MPI_Status* statuses), (n, requests, statuses))
 }

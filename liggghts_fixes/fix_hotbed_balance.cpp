@@ -5,6 +5,7 @@
 #include "slabs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -14,15 +15,16 @@ FixHotbedBalance::FixHotbedBalance(LAMMPS* lmp, int narg, char** arg) : Fix(lmp,
 {
     if (hotbed::anotherOfStyle(*modify, *this))
         error->fix_error(FLERR, this, "the particles are shared out already by another fix hotbed/balance");
-    if (narg > 3 && std::strcmp(arg[3], "every") != 0)
-        error->fix_error(FLERR, this, (std::string("unknown keyword ") + arg[3] + "; known is every").c_str());
-    if (narg == 4) error->fix_error(FLERR, this, "keyword every wants a value");
-    if (narg > 5) error->fix_error(FLERR, this, "takes 'every N' and nothing else");
+    if (narg != 3 && (narg != 5 || std::strcmp(arg[3], "every") != 0))
+        error->fix_error(FLERR, this, "expecting 'every N' or nothing after the style");
     if (narg == 5)
     {
-        const double steps = hotbed::number(*error, *this, "every", arg[4], {1, true, 1e9}, "DEM steps");
-        if (steps != std::floor(steps))
-            error->fix_error(FLERR, this, (std::string("every must be a whole number, not ") + arg[4]).c_str());
+        const hotbed::Range range = {1, true, 1e9};
+        double steps;
+        if (!range.read(arg[4], steps) || steps != std::floor(steps))
+            error->fix_error(
+                FLERR, this,
+                ("every must be a whole number " + range.text() + " [DEM steps], not '" + arg[4] + "'").c_str());
         every_ = int(steps);
     }
     force_reneighbor = 1;
