@@ -41,12 +41,7 @@ def is_open(text, ranks):
     return all(n.isdigit() for n in numbers) and math.prod(map(int, numbers)) != ranks
 
 
-def bounds(log):
+def extent(log):
     """Size of the mesh along x, y, z, from what checkMesh prints."""
     low, high = re.search(r"Overall domain bounding box \(([^)]*)\) \(([^)]*)\)", log).groups()
     return [float(b) - float(a) for a, b in zip(low.split(), high.split())]
-
-
-def vector(text):
-    """The `value` of constant/g."""
-    return [float(x) for x in re.search(r"(?m)^\s*value\s+(?:uniform\s+)?\(([^)]*)\)", text)[1].split()]

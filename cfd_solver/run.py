@@ -186,8 +186,10 @@ def decompose(run, ranks, *options):
         raise CaseError(f"{dictionary}: the entry numberOfSubdomains is missing")
     if decomposition.is_open(text, ranks):
         tool(run, "checkMesh", "-constant", "-noTopology")
-        grid = decomposition.pieces(ranks, decomposition.bounds((Path(run) / "log.checkMesh").read_text()),
-                                    decomposition.vector((Path(run) / "constant/g").read_text()))
+        gravity = subprocess.check_output(["foamDictionary", "-entry", "value", "-value", "constant/g"], cwd=run,
+                                          env=environment(), text=True)
+        grid = decomposition.pieces(ranks, decomposition.extent((Path(run) / "log.checkMesh").read_text()),
+                                    [float(g) for g in gravity.strip("( )\n").split()])
         text = re.sub(decomposition.PIECES, "n ({} {} {})".format(*grid), text)
     dictionary.write_text(text)
     tool(run, "decomposePar", *options)

@@ -27,6 +27,10 @@ def imbalance(log, what):
     return float(re.search(rf"imbalance, {what}\s+(\S+) largest over mean, rank \d", log)[1])
 
 
+def sent(log):
+    return float(re.search(r"sent by a rank a step\s+(\S+) KiB", log)[1])
+
+
 class Balance(SlimBedTest):
     def places(self, target):
         """Rows of x y z vx vy vz T at the end, in an order that does not depend on the ranks."""
@@ -46,8 +50,8 @@ class Balance(SlimBedTest):
         self.assertNotIn("imbalance", log)
         still, before = self.bed("still", 4, edits + [gas("4 1 1")], **END)
         moved, after = self.bed("moved", 4, edits + [gas("4 1 1"), BALANCE], **END)
-        print(f"particles, largest over mean of 4 ranks: {imbalance(before, 'particles')} as cut, "
-              f"{imbalance(after, 'particles')} with fix hotbed/balance")
+        for name, log in (("as cut", before), ("with fix hotbed/balance", after)):
+            print(f"{name}: particles, largest over mean of 4 ranks {imbalance(log, 'particles')}; a rank sends {sent(log)} KiB a step")
         self.assertGreater(imbalance(before, "particles"), 1.9, "two of four slices are empty")
         self.assertLess(imbalance(after, "particles"), 1.4, "the mean of the run, which begins as cut")
         expected = self.places(one)
@@ -71,19 +75,19 @@ class Cuts(SlimBedTest):
         """@return (pieces of the particles' box, KiB sent a step) on 4 ranks"""
         target, log = self.bed(name, 4, edits, endTime="2.5e-5")
         grid = re.search(r"(\d) by (\d) by (\d) MPI processor grid", (target / "log.liggghts").read_text())
-        return " ".join(grid.groups()), float(re.search(r"sent by a rank a step\s+(\S+)", log)[1])
+        return " ".join(grid.groups()), sent(log)
 
     def test_particles_are_cut_as_the_gas_is(self):
         scattered = ("system/decomposeParDict", r"method[\s\S]*", "method random;\n")
-        chosen, sent = self.cut("chosen", [("settings", r"^depth .*", "depth 0.02;"), gas("2 1 1")])
+        chosen, few = self.cut("chosen", [("settings", r"^depth .*", "depth 0.02;"), gas("2 1 1")])
         self.assertEqual(chosen, "2 2 1", "by hotbed run, for a square")
         given, _ = self.cut("given", [gas("1 4 1")])
         self.assertEqual(given, "1 4 1")
-        script, more = self.cut("script", [("settings", r"^depth .*", "depth 0.02;"), gas("2 2 1"),
+        script, many = self.cut("script", [("settings", r"^depth .*", "depth 0.02;"), gas("2 2 1"),
                                            ("DEM/in.bed", r"^newton", "processors 1 1 4\nnewton")])
         self.assertEqual(script, "1 1 4")
-        print(f"2 x 2: a rank sends {sent} KiB a step, with particles cut otherwise {more}")
-        self.assertLess(sent, 0.5 * more)
+        print(f"2 x 2: a rank sends {few} KiB a step, with particles cut otherwise {many}")
+        self.assertLess(few, 0.5 * many)
         for up, axis in ((("constant/g", r"\(0 0 -9\.81\)", "(9.81 0 0)"), 0), (("constant/g", r"9\.81", "9.80"), 2)):
             pieces, _ = self.cut(f"scattered{axis}", [scattered, up])
             self.assertEqual(pieces.split()[axis], "1", "not across gravity")
