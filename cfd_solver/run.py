@@ -189,7 +189,7 @@ def decompose(run, ranks, *options):
         gravity = subprocess.check_output(["foamDictionary", "-entry", "value", "-value", "constant/g"], cwd=run,
                                           env=environment(), text=True)
         grid = decomposition.pieces(ranks, decomposition.extent((Path(run) / "log.checkMesh").read_text()),
-                                    [float(g) for g in gravity.strip("( )\n").split()])
+                                    [float(g) for g in gravity[gravity.rindex("("):].strip("( )\n").split()])
         text = re.sub(decomposition.PIECES, "n ({} {} {})".format(*grid), text)
     dictionary.write_text(text)
     tool(run, "decomposePar", *options)
