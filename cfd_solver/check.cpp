@@ -110,6 +110,8 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
     const scalar u0 = gas.inflow() / column.section;
     fact("cells", returnReduce(mesh.nCells(), sumOp<label>()));
     fact("cell", cmptMin(cell), cell[up3]); // smallest extent of all, along gravity
+    const auto imbalance = [](double mine) { return largest(mine) * Pstream::nProcs() / max(sum(mine), VSMALL); };
+    fact("imbalance", imbalance(dem.size()), imbalance(mesh.nCells())); // largest over mean of the ranks
     fact("domain", cmptMin(mesh.bounds().span()));
     fact("section", column.section);
     fact("kernel", largest(kernel));

@@ -10,6 +10,8 @@ OK, ADVICE, REFUSED, TOLD = "ok", "advice", "refused", ""
 SETTLING = ((6000, 1.4), (46000, 1.8))
 # Largest gas velocity in a bubbling bed over u0/voidage, for the gas step of a bed that has not settled (the same).
 BUBBLES = 10
+# Largest share of the particles over the mean of the ranks that goes without advice: the others wait a fifth of the DEM's time.
+UNEVEN = 1.25
 
 
 @dataclass
@@ -231,6 +233,19 @@ def fluidisation(facts):
     yield Row("pressure drop", TOLD, f"{number(drop)} Pa, a fixed bed at voidage {facts['voidage'][0]:.3g}")
 
 
+def shares(facts, ranks):
+    """How particles and cells are shared out among ranks, at the start."""
+    if ranks == 1 or not facts["particles"]:
+        return
+    particles, cells = facts["imbalance"]
+    text = f"the rank with most particles has {particles:.3g} times the mean, that with most cells {cells:.3g} times"
+    if particles > UNEVEN and facts["moving"]:
+        yield Row("shares", ADVICE, f"{text}: add 'fix balance all hotbed/balance' to the DEM script, or cut along other "
+                  "directions (system/decomposeParDict, processors)")
+    else:
+        yield Row("shares", OK, text)
+
+
 def cost(facts, control, peak, ranks):
     """Memory and time."""
     if peak:
@@ -276,7 +291,7 @@ def rows(facts, control, peak, refused, ranks):
     if "particles" in facts:
         table += [*output(control), *contacts(facts), *gas_steps(facts, control)]
     if "cells" in facts:
-        table += [*relaxation(facts, control), *mapping(facts), *fluidisation(facts), *cost(facts, control, peak, ranks)]
+        table += [*relaxation(facts, control), *mapping(facts), *fluidisation(facts), *shares(facts, ranks), *cost(facts, control, peak, ranks)]
     if refused:
         table.append(Row("solver", REFUSED, refused))
     else:

@@ -33,6 +33,10 @@ class Coupling
 public:
     Coupling(const CouplingSettings& settings, const Foam::fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing);
 
+    /// What it is timed by.
+    static constexpr const char* phases[] = {"weights",  "voidage", "gas at particles",
+                                             "closures", "to gas",  "to particles"};
+
     bool heat() const { return heat_; }
     bool push() const { return push_; } ///< particles answer to the gas
 

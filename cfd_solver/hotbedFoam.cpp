@@ -8,6 +8,7 @@
 #include "restart.hpp"
 #include "settings.hpp"
 #include "version.hpp"
+#include "waiting.hpp"
 #include "watch.hpp"
 
 #include "foamVersion.H"
@@ -148,8 +149,11 @@ void printStopped(const Time& runTime, int signal, bool restarts)
         Info << "fields written, no restart (writeRestart no in constant/couplingProperties)" << nl;
 }
 
-/// The lines below the timing table. @param particleSteps DEM steps times the particles of this rank
-void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, scalar particleSteps, long steps)
+/// The lines below the timing table. @param particleSteps DEM steps times the particles of this rank, summed over the
+/// run.
+/// @param total  time of the run [s]
+void printSpeed(Timing& timing, const fvMesh& mesh, const Dem& dem, const Coupling& coupling, scalar particleSteps,
+                double total, long steps)
 {
     const auto sum = [](scalar value) { return returnReduce(value, sumOp<scalar>()); };
     const auto largest = [](scalar value) { return returnReduce(value, maxOp<scalar>()); };
@@ -160,12 +164,33 @@ void printSpeed(Timing& timing, const fvMesh& mesh, const Coupling& coupling, sc
              << value << ' ' << unit;
         Info << line.str().c_str() << nl;
     };
-    const scalar dem = largest(timing.of("DEM")), gas = largest(timing.of("gas"));
-    particleSteps = sum(particleSteps);
-    if (particleSteps > 0) row("DEM, particle-steps a second", particleSteps / dem / 1e6, "million");
+    const scalar gas = largest(timing.of("gas"));
+    if (dem.moving() && sum(particleSteps) > 0)
+        row("DEM, particle-steps a second", sum(particleSteps) / largest(timing.of("DEM")) / 1e6, "million");
     if (gas > 0) row("gas, cells a second", sum(mesh.nCells()) * scalar(steps) / gas / 1e6, "million");
     if (Pstream::parRun() && steps > 0)
+    {
         row("sent by a rank a step", largest(scalar(coupling.bytesSent())) / scalar(steps) / 1024, "KiB, exchange");
+        const auto imbalance = [&](const char* name, scalar mine)
+        {
+            scalarList ofRanks(Pstream::nProcs());
+            ofRanks[Pstream::myProcNo()] = mine;
+            Pstream::gatherList(ofRanks);
+            const label most = findMax(ofRanks);
+            const scalar mean = average(ofRanks);
+            const std::string where = "largest over mean, rank " + std::to_string(most);
+            if (Pstream::master() && mean > 0) row(name, ofRanks[most] / mean, where.c_str());
+        };
+        scalar exchange = 0;
+        for (const char* phase : Coupling::phases) exchange += timing.busy(phase);
+        imbalance("imbalance, particles", particleSteps);
+        imbalance("imbalance, cells", mesh.nCells());
+        if (dem.moving()) imbalance("imbalance, DEM at work", timing.busy("DEM"));
+        imbalance("imbalance, exchange at work", exchange);
+        imbalance("imbalance, gas at work", timing.busy("gas"));
+        row("waiting, mean of the ranks", 100 * sum(secondsInMpi()) / Pstream::nProcs() / total,
+            "% of the run, in MPI");
+    }
     rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     row("peak memory of a rank", largest(scalar(usage.ru_maxrss) / 1024.0), "MiB");
@@ -217,13 +242,14 @@ int main(int argc, char* argv[])
         Restart restart(runTime);
         const CouplingSettings settings(runTime);
         const StepSettings stepSettings(runTime);
-        Timing timing;
+        Timing timing(secondsInMpi);
         try
         {
             const auto time = timing.measure("DEM set-up");
             auto variables = readSettings(runTime);
             variables.emplace_back("resume", restart.resumed() ? "1" : "0");
             variables.emplace_back("restart", restart.particles());
+            if (Pstream::parRun()) dem->divide(piecesOfParticles(runTime));
             dem->read(settings.demScript, variables);
             check.particles(*dem);
             demSteps(runTime, *dem, settings.demScript);
@@ -278,7 +304,7 @@ int main(int argc, char* argv[])
             {
                 const auto time = timing.measure("DEM");
                 dem->advance(substeps);
-                if (dem->moving()) particleSteps += scalar(substeps) * dem->size();
+                particleSteps += scalar(substeps) * dem->size();
             }
             bed.particlesHaveMoved();
             const auto time = timing.measure("output");
@@ -304,9 +330,10 @@ int main(int argc, char* argv[])
         dem->finish();
         for (const auto& part : dem->times()) timing.add("DEM: " + part.first, part.second);
         std::ostringstream table;
-        timing.print(table, MPI_COMM_WORLD, MPI_Wtime() - start, steps);
+        const double total = MPI_Wtime() - start;
+        timing.print(table, MPI_COMM_WORLD, total, steps);
         Info << nl << table.str().c_str();
-        printSpeed(timing, mesh, coupling, particleSteps, steps);
+        printSpeed(timing, mesh, *dem, coupling, particleSteps, total, steps);
         Info << nl << "End" << nl << endl;
     }
     const bool interrupted = stopped && stopped != SIGUSR2;

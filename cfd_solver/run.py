@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import decompose as decomposition
 import paraview
 from follow import COMMAND, Stopped, ending, progress, stop
 
@@ -176,11 +177,20 @@ def move_checksums(run, checksums):
 
 
 def decompose(run, ranks, *options):
-    """Splits the gas for a number of ranks."""
+    """Splits the gas for a number of ranks, as system/decomposeParDict says; see cfd_solver/decompose.py for what it leaves
+    open."""
     dictionary = Path(run) / "system/decomposeParDict"
-    text, found = re.subn(r"(?m)^(\s*numberOfSubdomains\s+)\d+", rf"\g<1>{ranks}", dictionary.read_text())
+    text = dictionary.read_text() if dictionary.is_file() else decomposition.DICTIONARY
+    text, found = re.subn(r"(?m)^(\s*numberOfSubdomains\s+)\d+", rf"\g<1>{ranks}", text)
     if not found:
         raise CaseError(f"{dictionary}: the entry numberOfSubdomains is missing")
+    if decomposition.is_open(text, ranks):
+        tool(run, "checkMesh", "-constant", "-noTopology")
+        gravity = subprocess.check_output(["foamDictionary", "-entry", "value", "-value", "constant/g"], cwd=run,
+                                          env=environment(), text=True)
+        grid = decomposition.pieces(ranks, decomposition.extent((Path(run) / "log.checkMesh").read_text()),
+                                    [float(g) for g in gravity[gravity.rindex("("):].strip("( )\n").split()])
+        text = re.sub(decomposition.PIECES, "n ({} {} {})".format(*grid), text)
     dictionary.write_text(text)
     tool(run, "decomposePar", *options)
 

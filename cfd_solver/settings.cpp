@@ -171,6 +171,25 @@ CouplingSettings::CouplingSettings(const Time& runTime)
                                         << "to 0 to keep all" << exit(FatalIOError);
 }
 
+std::array<int, 3> piecesOfParticles(const Time& runTime)
+{
+    const IOdictionary dict(
+        IOobject("decomposeParDict", runTime.system(), runTime, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE, false));
+    const word method = dict.lookupOrDefault<word>("method", "none");
+    if (method == "simple" || method == "hierarchical")
+    {
+        const dictionary& coeffs = dict.optionalSubDict("coeffs").optionalSubDict(method + "Coeffs");
+        const Vector<label> n = coeffs.lookupOrDefault("n", Vector<label>(Zero));
+        if (n.x() * n.y() * n.z() == Pstream::nProcs()) return {n.x(), n.y(), n.z()};
+    }
+    std::array<int, 3> pieces = {0, 0, 0};
+    const vector g = uniformDimensionedVectorField(
+                         IOobject("g", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false))
+                         .value();
+    if (mag(g) > 0) pieces[findMax(FixedList<scalar, 3>{mag(g.x()), mag(g.y()), mag(g.z())})] = 1;
+    return pieces;
+}
+
 StepSettings::StepSettings(const Time& runTime)
 {
     const dictionary& control = runTime.controlDict();

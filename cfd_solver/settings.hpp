@@ -4,6 +4,7 @@
 
 #include "closures.hpp"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +34,11 @@ struct CouplingSettings
     bool linearExchange = true;      ///< heat exact for a gas temperature linear in time; else h A (T_gas' - T)
     bool temperatureGradient = true; ///< read the gas temperature at the particle, not at its cells' centres
 };
+
+/// How the particles' box is cut for the ranks where the DEM script does not say: as the gas is, where
+/// system/decomposeParDict cuts it along x, y and z (methods simple and hierarchical), else never along gravity.
+/// @return pieces along x, y, z; 0: as LIGGGHTS likes
+std::array<int, 3> piecesOfParticles(const Foam::Time& runTime);
 
 /// How system/controlDict lets the gas step follow the Courant number, checked.
 struct StepSettings

@@ -6,12 +6,12 @@
 namespace hotbed
 {
 
-double& Timing::seconds(const std::string& phase)
+Timing::Phase& Timing::find(const std::string& phase)
 {
-    for (auto& entry : phase_)
-        if (entry.first == phase) return entry.second;
-    phase_.emplace_back(phase, 0.0);
-    return phase_.back().second;
+    for (Phase& known : phase_)
+        if (known.name == phase) return known;
+    phase_.push_back({phase});
+    return phase_.back();
 }
 
 void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long steps) const
@@ -35,14 +35,14 @@ void Timing::print(std::ostream& out, MPI_Comm communicator, double total, long 
         out << "Timing (" << ranks << (ranks == 1 ? " rank, " : " ranks, ") << steps
             << " steps)            mean [s]    max [s]   s a step    share\n";
     double named = 0.0;
-    for (const auto& phase : phase_)
+    for (const Phase& phase : phase_)
     {
-        if (phase.first.find(": ") != std::string::npos) continue;
-        named += phase.second;
-        line(phase.first, phase.second);
-        for (const auto& part : phase_)
-            if (part.first.compare(0, phase.first.size() + 2, phase.first + ": ") == 0)
-                line("  " + part.first.substr(phase.first.size() + 2), part.second);
+        if (phase.name.find(": ") != std::string::npos) continue;
+        named += phase.seconds;
+        line(phase.name, phase.seconds);
+        for (const Phase& part : phase_)
+            if (part.name.compare(0, phase.name.size() + 2, phase.name + ": ") == 0)
+                line("  " + part.name.substr(phase.name.size() + 2), part.seconds);
     }
     line("everything else", total - named);
     line("whole run", total);

@@ -2,6 +2,7 @@
 
 #include "dem.hpp"
 
+#include "fix_hotbed_balance.h"
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
@@ -111,6 +112,13 @@ std::string Dem::version() const
     return instance_->lmp->universe->version;
 }
 
+void Dem::divide(const std::array<int, 3>& pieces)
+{
+    std::string command = "processors";
+    for (int n : pieces) command += n > 0 ? ' ' + std::to_string(n) : " *";
+    instance_->lmp->input->one((command + " map xyz").c_str()); // the ranks in OpenFOAM's order
+}
+
 void Dem::read(const std::string& script, const std::vector<std::pair<std::string, std::string>>& variables)
 {
     if (!std::ifstream(script)) throw std::runtime_error("cannot read the DEM script '" + script + "'");
@@ -148,10 +156,10 @@ void Dem::read(const std::string& script, const std::vector<std::pair<std::strin
     instance_->moving = false;
     for (int i = 0; i < lmp.modify->nfix; ++i)
     {
-        // insertion asks for new neighbour lists; so does a mesh, which moves no particle
+        // insertion asks for new neighbour lists; so do two that move no particle
         const Fix& fix = *lmp.modify->fix[i];
-        const bool mesh = std::strncmp(fix.style, "mesh/", 5) == 0;
-        instance_->moving |= fix.time_integrate != 0 || (fix.force_reneighbor != 0 && !mesh);
+        const bool other = std::strncmp(fix.style, "mesh/", 5) == 0 || dynamic_cast<const FixHotbedBalance*>(&fix);
+        instance_->moving |= fix.time_integrate != 0 || (fix.force_reneighbor != 0 && !other);
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,6 +26,11 @@ public:
     ~Dem();
 
     std::string version() const; ///< in LIGGGHTS' own words
+
+    /// Before the script: into how many pieces its box is cut along x, y, z for the ranks, one each. The command
+    /// `processors` in the script overrides it.
+    /// @param pieces  their product is the number of ranks; 0: LIGGGHTS chooses
+    void divide(const std::array<int, 3>& pieces);
 
     /// Runs the script, once.
     /// @param script     path of the input script

@@ -4,6 +4,7 @@
 
 #include "liggghts.hpp"
 
+#include "fix_hotbed_balance.h"
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
@@ -55,6 +56,7 @@ __attribute__((visibility("default"))) void LAMMPS::create()
     hotbed::registerContact();
 
     FixMap& fixes = fixMapOf(*modify);
+    fixes["hotbed/balance"] = &makeFix<FixHotbedBalance>;
     fixes["hotbed/coarsegrain"] = &makeFix<FixHotbedCoarsegrain>;
     fixes["hotbed/drag"] = &makeFix<FixHotbedDrag>;
     fixes["hotbed/heat"] = &makeFix<FixHotbedHeat>;

@@ -71,7 +71,7 @@ def main():
     sent = {ranks: coupled(folder, "2.5", ranks, 5)[1] for ranks in (2, 4, 8)}
     for ranks, size in sent.items():
         figures.note(f"l = 2.5, {ranks} ranks: most that a rank sends for the exchange a step [KiB]", size / 1024)
-    # two ranks share one face; a slice between two others has two
+    # two ranks share one face; of eight, two across the depth, an inner one has three smaller ones
     figures.add("sent by a rank, 8 ranks over 2", sent[8] / sent[2], 2.5)
 
     if not options.quick:

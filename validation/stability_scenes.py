@@ -288,7 +288,7 @@ def extremes():
     kind = "ranks"
     for value, processors, split in (("4, the bed on one of DEM and of gas", "1 1 4", "1 1 4"), ("4, on one of DEM, four of gas", "1 1 4", "4 1 1"),
                                      ("4, on four of DEM, one of gas", "4 1 1", "1 1 4")):
-        yield slim(kind, value, {"height": 0.06, "cellsHeight": 48}, [script(r"^processors .*", f"processors {processors}"),
+        yield slim(kind, value, {"height": 0.06, "cellsHeight": 48}, [script(r"^newton", f"processors {processors}\nnewton"),
                    ("system/decomposeParDict", r"n \(.*?\)", f"n ({split})")], ranks=4, quick=processors != split)
 
 

@@ -24,7 +24,8 @@ from campaign import edit
 from fault_scenes import SCRIPT, SMALL
 
 COUPLING, CONTROL = "constant/couplingProperties", "system/controlDict"
-LINES = {"hotbed/coarsegrain": "cg", "hotbed/heat": "heat", "hotbed/drag": "drag", "nve/sphere/hotbed": "integrate", "wall/gran": "xlow"}
+LINES = {"hotbed/balance": "balance", "hotbed/coarsegrain": "cg", "hotbed/heat": "heat", "hotbed/drag": "drag", "nve/sphere/hotbed": "integrate",
+         "wall/gran": "xlow"}
 
 # values that run: one for each word of a key without a default to take
 BASE = {
@@ -34,7 +35,7 @@ BASE = {
     "initial_temperature": "363.15", "thermalCapacity": "779", "gravity": "9.81", "vector": "0.1 0.2 -1", "kn": "500",
     "coefficientRestitution": "0.74", "tangentialRestitution": "0.1", "coefficientFriction": "0.1", "etan": "7.87e-4",
     "etat": "1.72e-3", "kt": "217.6", "vectorised": "on", "kernelWidth": "3", "kernelSamples": "2", "bedInterval": "10",
-    "writeRestart": "yes", "exchange": "linear", "temperatureGradient": "on",
+    "writeRestart": "yes", "exchange": "linear", "temperatureGradient": "on", "every": "1000",
 }
 DASHPOTS = ("etan", "etat", "kt")  # their scene has no restitutions
 THEIRS = ("deltaT", "units", "timestep")  # where OpenFOAM or LIGGGHTS reads, its own words are the mend
@@ -53,7 +54,7 @@ def scene(folder):
     edit(case / SCRIPT, r"^(fix +cg .*)", rf"\1 stiffness {BASE['stiffness']} restitution {BASE['restitution']}")
     edit(case / SCRIPT, r"^(pair_style|fix +xlow)(.*)", r"\1\2 vectorised on")
     edit(case / SCRIPT, r"vector 0 0 -1", f"vector {BASE['vector']}")
-    edit(case / SCRIPT, r"^timestep.*", f"timestep {BASE['timestep']}")
+    edit(case / SCRIPT, r"^timestep.*", f"timestep {BASE['timestep']}\nfix balance all hotbed/balance every {BASE['every']}")
     hotbed.prepare(case, target, {**settings, "endTime": "5e-5", "writeInterval": "5e-5"})
     return target
 
@@ -100,7 +101,7 @@ def expected(key, attempt, owner, file):
         return texts
     if not attempt.name or renamed:
         listed = renamed and owner in (COUPLING, "hotbed/coarsegrain")
-        return texts + ["known" if listed else "xpecting" if owner in ("hotbed/heat", "nve/sphere/hotbed") else "add"]
+        return texts + ["known" if listed else "xpecting" if owner in ("hotbed/balance", "hotbed/heat", "nve/sphere/hotbed") else "add"]
     if key.name in READ_FIRST and not re.fullmatch("-?[0-9]+", attempt.value):
         return texts
     if owner == "property/global" and not re.fullmatch(r"[\d.e+-]+", attempt.value):  # LIGGGHTS' own fix

@@ -25,7 +25,7 @@ class Cylinder(CoupledTest):
         return results.bed(target)
 
     def test_two_ranks_give_what_one_does(self):
-        along_z = [("system/decomposeParDict", r"n \(.*?\)", "n (1 1 $numberOfSubdomains)")]  # the gas; the particles along x
+        along_z = [("system/decomposeParDict", r"n \(.*?\)", "n (1 1 2)"), ("DEM/in.bed", r"^newton", "processors 2 1 1\nnewton")]
         one, two, other = (self.bed(self.scene(f"{n}{len(more)}", n, EDITS + more, **SMALL), n) for n, more in ((1, []), (2, []), (2, along_z)))
         for bed in (one, two, other):
             self.assertLess(np.abs(bed["budget_error"]).max(), 1e-8)

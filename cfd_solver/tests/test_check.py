@@ -35,6 +35,18 @@ class Check(CoupledTest):
                 self.assertGreaterEqual(facts["steps"][3] / facts["demStep"], 10)
                 self.assertIn("the case is set up", rows["solver"].text)
 
+    def test_shares_of_the_ranks(self):
+        settings = {"width": 0.02, "depth": 0.01, "solids": 1.6e-6}
+        _, rows = table(SLIM_BED, ranks=2, **{**SMALL, **settings})
+        self.assertEqual(rows["shares"].level, check.OK)
+        case = self.folder / "case"
+        copy(SLIM_BED, case)
+        edit(case / "DEM/in.bed", r"^(region\s+layers block 0) \$\{width\}", r"\1 0.01")
+        _, rows = table(case, ranks=2, **{**SMALL, **settings})
+        self.assertEqual(rows["shares"].level, check.ADVICE)
+        self.assertRegex(rows["shares"].text, r"particles has (1\.[89]\d*|2) times the mean, that with most cells 1 times")
+        self.assertNotIn("shares", table(case, **{**SMALL, **settings})[1])
+
     def test_facts_are_those_of_table_2(self):
         # contact time 26.0 us, mass 6.807e-8 kg, weight over the cross-section, packing as many particles as there are
         facts, rows = table(SLIM_BED, ranks=2)
