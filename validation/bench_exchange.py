@@ -14,28 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
-CASE = ROOT / "examples" / "fluidized_bed"
-sys.path.insert(0, str(ROOT / "cfd_solver"))
+import paper_bed  # makes the next two known
 import campaign
 import results
-
-STEP, SKIP = 2.5e-5, 10
-
-
-def start(l, end):
-    """The paper's bed after at least `end` seconds, run on two ranks as far as it is not there yet. @return folder of the run"""
-    run, = campaign.run_all(CASE, Path("results") / "fluidized_bed" / "bench",
-                            [{"l": l, "endTime": f"{end}", "writeInterval": f"{end}"}], at_once=1, ranks=2)
-    return run
-
-
-def steps(source, folder, l, number):
-    """Some gas steps from a state. @return folder of the run"""
-    run = folder / f"l={l},steps={number}"
-    campaign.branch(CASE, source, run, {"l": l, "deltaT": f"{STEP}", "maxDeltaT": f"{STEP}", "writeInterval": "1",
-                                        "endTime": f"{campaign.reached(source) + number * STEP:.10g}"})
-    return run
 
 
 def main():
@@ -46,10 +27,10 @@ def main():
     folder = Path("results") / "exchange" / "bench"
     ratios, end, number = (("2.5", "1.5"), 0.02, 30) if options.quick else (("2.5", "2", "1.5", "1"), 0.05, 60)
     for l in ratios:
-        source = start(l, end)
-        pairs = [results.between(*(steps(source, folder, l, n) for n in (SKIP, number))) for _ in range(3)]
+        source = paper_bed.start(l, end)
+        pairs = [paper_bed.a_gas_step(source, folder / f"l={l}", l, 2.5e-5, 10, number) for _ in range(3)]
         phases = {name: float(np.median([pair[name] for pair in pairs])) for name in pairs[0]}
-        particles = results.bed(folder / f"l={l},steps={number}")["particles"][-1]
+        particles = results.bed(source)["particles"][-1]
         exchange = np.array([results.exchange_time(pair) for pair in pairs])
         share = exchange / [results.loop_time(pair) - pair.get("output", 0.0) for pair in pairs]
         figures.note(f"l = {l}: simulated time at the start [s]", campaign.reached(source))

@@ -1,9 +1,10 @@
 """How the cost grows with particles and ranks. `./hotbed bench scaling [--quick]`; the figures of two ranks need two free
 cores.
 
-Contacts: beds of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank. Coupled: the paper's bed from its
-lattice start: `l = 1.5` on one and two ranks in turn, bytes that a rank sends for the exchange on 2, 4 and 8 ranks, memory
-at `l = 1`; the first steps are left out. --quick leaves out the largest beds and takes `l = 2.5` for the ranks.
+Contacts: beds of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank. Coupled: the paper's bed, `l = 1.5`,
+gas steps of 40 DEM steps on one and two ranks in turn, from what a coupled run left at 0.05 s (made once and kept in
+results/fluidized_bed/bench), the first steps left out; from its lattice start bytes that a rank sends for the exchange on 2, 4
+and 8 ranks, and memory at `l = 1`. --quick leaves out the largest beds and takes `l = 2.5` at 0.02 s for the ranks.
 """
 
 import argparse
@@ -14,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-CASE = ROOT / "examples" / "fluidized_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import contact_scenes
+import paper_bed
 import results
 from run import prepare, run_case
 
@@ -34,23 +35,18 @@ def a_particle_step(folder, number):
     return np.median(times) / steps / number * 1e9
 
 
-def coupled(folder, l, ranks, steps):
-    """A few steps of the paper's bed. @return folder of the run"""
-    run = folder / f"l={l},ranks={ranks},steps={steps}"
-    prepare(CASE, run, {"l": l, "deltaT": f"{STEP}", "maxDeltaT": f"{STEP}", "endTime": f"{steps * STEP:g}", "writeInterval": "1"},
-            ranks=ranks, overwrite=True)
+def coupled(folder, l, ranks):
+    """Five steps of the paper's bed from its lattice. @return folder of the run"""
+    run = folder / f"l={l},ranks={ranks}"
+    prepare(paper_bed.CASE, run, {"l": l, "deltaT": f"{STEP}", "maxDeltaT": f"{STEP}", "endTime": f"{5 * STEP:g}",
+                                  "writeInterval": "1"}, ranks=ranks, overwrite=True)
     run_case(run, ranks)
     return run
 
 
-def a_gas_step(folder, l, ranks):
-    """Seconds of a gas step, the first ones left out."""
-    return results.loop_time(results.between(coupled(folder, l, ranks, 5), coupled(folder, l, ranks, 25)))
-
-
 def sent_a_step(folder, l, ranks):
     """Bytes that a rank sends for the exchange a gas step, the most of all ranks."""
-    log = (coupled(folder, l, ranks, 5) / "log.hotbedFoam").read_text()
+    log = (coupled(folder, l, ranks) / "log.hotbedFoam").read_text()
     return float(re.search(r"sent by a rank a step\s+([\d.e+]+) KiB", log)[1]) * 1024
 
 
@@ -67,8 +63,10 @@ def main():
         figures.note(f"{n} particles: a particle-step [ns]", nanoseconds)
     figures.add("a particle-step, largest over smallest of all sizes", max(cost.values()) / min(cost.values()), 1.25)
 
-    l, repeats = ("2.5", 3) if options.quick else ("1.5", 3)
-    pairs = np.array([[a_gas_step(folder, l, ranks) for ranks in (1, 2)] for _ in range(repeats)])
+    l, begin, repeats = ("2.5", 0.02, 3) if options.quick else ("1.5", 0.05, 5)
+    source = paper_bed.start(l, begin)
+    pairs = np.array([[results.loop_time(paper_bed.a_gas_step(source, folder / f"l={l},ranks={ranks}", l, STEP, 5, 25, ranks))
+                       for ranks in (1, 2)] for _ in range(repeats)])
     figures.note(f"l = {l}: seconds a gas step, one rank", float(np.median(pairs[:, 0])))
     figures.add(f"l = {l}: time on one rank over that on two", np.median(pairs[:, 0] / pairs[:, 1]), 1.7, least=True)
 
@@ -80,7 +78,7 @@ def main():
 
     if not options.quick:
         figures.add("l = 1, 720,000 particles, one rank: peak memory [MiB]",
-                    results.timing(coupled(folder, "1", 1, 5))["memory"], 2048)
+                    results.timing(coupled(folder, "1", 1))["memory"], 2048)
     sys.exit(figures.close())
 
 
