@@ -44,10 +44,10 @@ class Bed:
         return self.ratio * DIAMETER
 
 
-def stock(ratio):
+def stock(ratio, et):
     """LIGGGHTS' own law with the constants of the coarse particles: stiffnesses, dashpots over the effective mass of two."""
     m = DENSITY * np.pi / 6 * (ratio * DIAMETER)**3
-    n, t = np.log(EN), np.log(ET)
+    n, t = np.log(EN), np.log(et)
     kn = ratio**3 * KN
     kt = 2 / 7 * kn * (np.pi**2 + t**2) / (np.pi**2 + n**2)
     etan = -2 * n * np.sqrt(m / 2 * kn / (np.pi**2 + n**2))
@@ -56,14 +56,15 @@ def stock(ratio):
                                                   "coefficientFriction": FRICTION}
 
 
-def ours(ratio):
-    return "hotbed tangential hotbed", {"kn": KN, "coefficientRestitution": EN, "tangentialRestitution": ET,
+def ours(ratio, et):
+    """The law hotbed with the constants of the original particles, which need no `ratio`."""
+    return "hotbed tangential hotbed", {"kn": KN, "coefficientRestitution": EN, "tangentialRestitution": et,
                                         "coefficientFriction": FRICTION}
 
 
-def script(law, bed, steps):
-    """LIGGGHTS' script of a bed. @param law `stock` or `ours`. @param steps of each `run`"""
-    model, values = law(bed.ratio)
+def script(law, bed, steps, et=ET):
+    """LIGGGHTS' script of a bed. @param law `stock` or `ours`. @param steps of each `run`. @param et tangential restitution"""
+    model, values = law(bed.ratio, et)
     properties = "".join(f"fix {name} all property/global {name} peratomtypepair 1 {value:.15g}\n"
                          for name, value in values.items())
     walls = "".join(f"fix {axis}{n} all wall/gran model {model} primitive type 1 {axis}plane {at}\n"
