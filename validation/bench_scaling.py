@@ -1,9 +1,10 @@
 """How the cost grows with particles and ranks. `./hotbed bench scaling [--quick]`; the figures of two ranks need two free
 cores.
 
-Contacts: beds of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank. Coupled: the paper's bed from its
-lattice start: `l = 1.5` on one and two ranks in turn, bytes that a rank sends for the exchange on 2, 4 and 8 ranks, memory
-at `l = 1`. --quick leaves out the largest beds and takes `l = 2.5` for the ranks.
+Contacts: beds of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank. Coupled: the paper's bed, `l = 1.5`,
+gas steps of 40 DEM steps on one and two ranks in turn, from what a coupled run left at 0.05 s (made once and kept in
+results/fluidized_bed/bench), the first steps left out; from its lattice start bytes that a rank sends for the exchange on 2, 4
+and 8 ranks, and memory at `l = 1`. --quick leaves out the largest beds and takes `l = 2.5` at 0.02 s for the ranks.
 """
 
 import argparse
@@ -14,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
-CASE = ROOT / "examples" / "fluidized_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
-import bench_contact
+import contact_scenes
+import paper_bed
 import results
 from run import prepare, run_case
 
@@ -24,30 +25,29 @@ STEP = 1e-4
 
 
 def a_particle_step(folder, number):
-    """Nanoseconds of one step of one particle in a bed 9 particles deep that has been shaken."""
+    """Nanoseconds of one step of one particle in a bed 9 particles deep that has settled."""
     across = int(round((number / 9) ** 0.5))
-    layer = (across, -(-number // (9 * across)))
-    bench_contact.WIDTH, bench_contact.DEPTH = (n * bench_contact.D for n in layer)
-    bench_contact.LAYER, bench_contact.NUMBER = layer, number
     folder = folder / f"{number}"
-    folder.mkdir(parents=True, exist_ok=True)
-    bench_contact.settle(folder, 2000)
+    bed, _ = contact_scenes.settled(folder, (across, -(-number // (9 * across))), number, steps=2000)
     steps = max(20, int(1.5e7 / number))
-    times = [bench_contact.liggghts(folder, "settled", bench_contact.script(bench_contact.OURS, "data.settled", [50, steps]), 1)[1]
-             for _ in range(3)]
+    text = contact_scenes.script(contact_scenes.ours, bed, [50, steps])
+    times = [contact_scenes.liggghts(folder, "settled", text, 1)[0][-1] for _ in range(3)]
     return np.median(times) / steps / number * 1e9
 
 
-def coupled(folder, l, ranks, steps):
-    """A few steps of the paper's bed. @return (seconds a step, bytes sent by a rank a step, MiB)"""
+def coupled(folder, l, ranks):
+    """Five steps of the paper's bed from its lattice. @return folder of the run"""
     run = folder / f"l={l},ranks={ranks}"
-    prepare(CASE, run, {"l": l, "deltaT": f"{STEP}", "maxDeltaT": f"{STEP}", "endTime": f"{steps * STEP:g}", "writeInterval": "1"},
-            ranks=ranks, overwrite=True)
+    prepare(paper_bed.CASE, run, {"l": l, "deltaT": f"{STEP}", "maxDeltaT": f"{STEP}", "endTime": f"{5 * STEP:g}",
+                                  "writeInterval": "1"}, ranks=ranks, overwrite=True)
     run_case(run, ranks)
-    phases = results.timing(run)
-    log = (run / "log.hotbedFoam").read_text()
-    sent = re.search(r"sent by a rank a step\s+([\d.e+]+) KiB", log)
-    return results.loop_time(phases), float(sent[1]) * 1024 if sent else 0.0, phases["memory"]
+    return run
+
+
+def sent_a_step(folder, l, ranks):
+    """Bytes that a rank sends for the exchange a gas step, the most of all ranks."""
+    log = (coupled(folder, l, ranks) / "log.hotbedFoam").read_text()
+    return float(re.search(r"sent by a rank a step\s+([\d.e+]+) KiB", log)[1]) * 1024
 
 
 def main():
@@ -63,19 +63,22 @@ def main():
         figures.note(f"{n} particles: a particle-step [ns]", nanoseconds)
     figures.add("a particle-step, largest over smallest of all sizes", max(cost.values()) / min(cost.values()), 1.25)
 
-    l, repeats = ("2.5", 3) if options.quick else ("1.5", 3)
-    pairs = np.array([[coupled(folder, l, ranks, 20)[0] for ranks in (1, 2)] for _ in range(repeats)])
+    l, begin, repeats = ("2.5", 0.02, 3) if options.quick else ("1.5", 0.05, 5)
+    source = paper_bed.start(l, begin)
+    pairs = np.array([[results.loop_time(paper_bed.a_gas_step(source, folder / f"l={l},ranks={ranks}", l, STEP, 5, 25, ranks))
+                       for ranks in (1, 2)] for _ in range(repeats)])
     figures.note(f"l = {l}: seconds a gas step, one rank", float(np.median(pairs[:, 0])))
     figures.add(f"l = {l}: time on one rank over that on two", np.median(pairs[:, 0] / pairs[:, 1]), 1.7, least=True)
 
-    sent = {ranks: coupled(folder, "2.5", ranks, 5)[1] for ranks in (2, 4, 8)}
+    sent = {ranks: sent_a_step(folder, "2.5", ranks) for ranks in (2, 4, 8)}
     for ranks, size in sent.items():
         figures.note(f"l = 2.5, {ranks} ranks: most that a rank sends for the exchange a step [KiB]", size / 1024)
     # two ranks share one face; of eight, two across the depth, an inner one has three smaller ones
     figures.add("sent by a rank, 8 ranks over 2", sent[8] / sent[2], 2.5)
 
     if not options.quick:
-        figures.add("l = 1, 720,000 particles, one rank: peak memory [MiB]", coupled(folder, "1", 1, 5)[2], 2048)
+        figures.add("l = 1, 720,000 particles, one rank: peak memory [MiB]",
+                    results.timing(coupled(folder, "1", 1))["memory"], 2048)
     sys.exit(figures.close())
 
 

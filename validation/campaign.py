@@ -1,7 +1,8 @@
 """Long runs in pieces: each goes on from its last restart where it was stopped."""
 
-import sys
 import re
+import shutil
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -73,6 +74,20 @@ def run_all(case, folder, runs, at_once=2, ranks=1, keep_going=False):
 
     with ThreadPoolExecutor(at_once) as pool:
         return list(pool.map(one, runs))
+
+
+def branch(case, source, target, settings, ranks=1):
+    """Runs a case from the last restart of another run of it, which came to its end and stays as it is, with settings and on
+    a number of ranks of its own. @param target  folder of the new run, made anew"""
+    name = max((state.parent.name for state in Path(source).glob("restart/*/state")), key=float)
+    hotbed.prepare(case, target, settings, overwrite=True)
+    for part in (name, f"restart/{name}"):
+        shutil.copytree(Path(source) / part, Path(target) / part)
+    checksums = Path(target) / "restart" / name / "checksums"
+    kept = [line for line in checksums.read_text().splitlines(keepends=True) if "  restart/" in line]
+    checksums.write_text("".join(kept))  # the others are of the fields of each rank
+    hotbed.resume(target, ranks=ranks)
+    hotbed.run_case(target, ranks)
 
 
 def mean(bed, column, start, end, blocks=5):

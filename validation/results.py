@@ -66,9 +66,22 @@ def timing(run):
     return table
 
 
+def between(short, long):
+    """As `timing`, of the steps that one of two runs from the same state has more than the other: without its first ones."""
+    steps = [int(re.search(r"(?m)^Timing \(.* (\d+) steps\)", (Path(run) / "log.hotbedFoam").read_text())[1])
+             for run in (short, long)]
+    a, b = timing(short), timing(long)
+    return {phase: (steps[1] * b[phase] - steps[0] * a[phase]) / (steps[1] - steps[0]) for phase in b if phase != "memory"}
+
+
 def loop_time(phases):
-    """Seconds a step of all phases of the time loop, from what `timing` gives."""
+    """Seconds a step of all phases of the time loop, from what `timing` or `between` gives."""
     return sum(v for k, v in phases.items() if k not in ("DEM set-up", "everything else", "whole run", "memory"))
+
+
+def exchange_time(phases):
+    """Of that what is between gas and particles: weights, voidage, closures, exchange, their messages."""
+    return loop_time(phases) - phases["gas"] - phases["DEM"] - phases.get("output", 0.0)
 
 
 def seconds_a_step(log, skip):
