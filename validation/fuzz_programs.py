@@ -7,7 +7,6 @@ import shutil
 import subprocess
 
 import fuzz_mutations as mutate
-import results
 import run as hotbed
 import sanitized
 from bad_input_keys import documented
@@ -79,9 +78,9 @@ class Programs:
         start = dice.choice(list(CHANGED))
         line = re.search(rf"(?m)^{start} .*", SCRIPT)[0]
         right = key = None
-        if dice.random() < 0.5 and (key := dice.choice(self.keys.get(self.owner(line), [None]))) and not key.choices and key.name in line:
+        if dice.random() < 0.5 and (key := dice.choice(self.keys.get(self.owner(line), [None]))) and not key.choices and key.name in line.split():
             parts, word = line.split(), mutate.number(dice, key)
-            last = parts.index(key.name) + (2 if "peratom" in line else 0) + (1 if "peratomtypepair" in line else 0)
+            last = parts.index(key.name) + (1 if "peratom" in line else 0) + (1 if "peratomtypepair" in line else 0)
             parts[last + dice.randint(1, key.values)] = word
             changed, right = " ".join(parts), mutate.allowed(key, word)
         else:
@@ -106,8 +105,8 @@ class Programs:
         """A copy of a small case, prepared; with `resumed` one that ran and has a restart."""
         if not self.started:
             self.started = self.place / "started"
-            hotbed.prepare(hotbed.ROOT / "examples/slim_bed", self.started,
-                           {**SMALL, "cellsWidth": "4", "cellsDepth": "2", "cellsHeight": "12", "endTime": "1e-4", "writeInterval": "1e-4"})
+            sanitized.prepare("slim_bed", self.started, {**SMALL, "cellsWidth": "4", "cellsDepth": "2", "cellsHeight": "12",
+                                                         "endTime": "1e-4", "writeInterval": "1e-4"})
             self.resumed = self.place / "resumed"
             shutil.copytree(self.started, self.resumed)
             hotbed.run_case(self.resumed)
@@ -120,10 +119,9 @@ class Programs:
         if code == 0:
             if not output.rstrip().endswith("End"):
                 wrong.append(f"exit status 0 without the end: {output[-300:]}")
-            bed = results.bed(place)
-            bad = [name for name in bed.dtype.names if not all(map(math.isfinite, bed[name]))]
-            if bad:
-                wrong.append(f"bed.csv is not finite: {', '.join(bad)}")
+            lines = [path.read_text().split("\n") for path in place.glob("postProcessing/hotbed/*/bed.csv")]
+            bad = [line for text in lines for line in text[1:-1] if not all(math.isfinite(float(word or 0)) for word in line.split(","))]
+            wrong += [f"bed.csv is not finite: {line}" for line in bad] + ["bed.csv has no line"] * (not any(text[1:-1] for text in lines))
         return code, output, wrong
 
     def dictionaries(self, dice, place):
@@ -172,8 +170,8 @@ class Programs:
         written = path.read_text()
         if alone and name == "state":
             (folder / "checksums").unlink()
-            entry, word = dice.choice(re.findall(r"(?m)^(\w+) +(.*);", written)), dice.choice(mutate.WORDS)
-            changed = re.sub(rf"(?m)^{entry[0]} .*", lambda m: f"{entry[0]} {word};", written).encode() if dice.random() < 0.5 else \
+            entry, word = dice.choice(re.findall(r"(?m)^ *(\w+) +(.*);", written)), dice.choice(mutate.WORDS)
+            changed = re.sub(rf"(?m)^ *{entry[0]} .*", lambda m: f"{entry[0]} {word};", written).encode() if dice.random() < 0.5 else \
                 mutate.text(dice, written)
         else:
             changed = mutate.text(dice, written)

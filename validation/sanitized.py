@@ -2,9 +2,12 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import run as hotbed
 
 ROOT = Path(__file__).resolve().parent.parent
 SUPPRESSIONS = ROOT / "validation" / "sanitizers.supp"
@@ -26,17 +29,32 @@ def build():
 
 
 def environment(reports, leaks=False):
-    """What a process is to be started with, so that the sanitizers write their findings into the folder `reports`."""
-    return {"ASAN_OPTIONS": f"detect_leaks={int(leaks)}:log_path={reports}/address:suppressions={SUPPRESSIONS}:"
-                            "print_suppressions=0:allocator_may_return_null=1",
+    """What a process is to be started with, so that the sanitizers write their findings into the folder `reports`.
+
+    The one for undefined behaviour aborts, which the other one reports: it can write to a file only what that one hands it.
+    """
+    common = f"log_path={reports}/report"
+    return {"ASAN_OPTIONS": f"{common}:detect_leaks={int(leaks)}:suppressions={SUPPRESSIONS}:print_suppressions=0:handle_abort=2:"
+                            "handle_segv=2:allocator_may_return_null=1",
+            "UBSAN_OPTIONS": f"{common}:abort_on_error=1:print_stacktrace=1",
             "LSAN_OPTIONS": "exitcode=0:print_suppressions=0",  # what is not ours leaks in each process
-            "UBSAN_OPTIONS": f"print_stacktrace=1:log_path={reports}/undefined",
             "OMPI_MCA_ess_singleton_isolated": "1"}  # Open MPI starts no daemon for a run on one rank
 
 
 def preload():
     """What must be loaded first under a program that is not built with the sanitizers."""
     return subprocess.check_output(["g++", "-print-file-name=libasan.so"], text=True).strip()
+
+
+def prepare(example, run, settings, ranks=1):
+    """A prepared example whose gas leaves through inletOutlet: pressureInletOutletVelocity squares a field of vectors, for which
+    Debian's libOpenFOAM reads eight bytes behind the last one. That is not ours and ends a run under AddressSanitizer."""
+    case = run.parent / "case"
+    shutil.rmtree(case, ignore_errors=True)
+    shutil.copytree(ROOT / "examples" / example, case)
+    velocity = (case / "0/U").read_text()
+    (case / "0/U").write_text(velocity.replace("pressureInletOutletVelocity;", "inletOutlet; inletValue uniform (0 0 0);"))
+    hotbed.prepare(case, run, settings, ranks=ranks, overwrite=True)
 
 
 def ours(stack):
@@ -55,6 +73,6 @@ def reported(reports):
         mine = [block for block in blocks if ours(block)]
         leaks += mine
         others += len(blocks) - len(mine)
-        if re.search(r"runtime error:|ERROR: AddressSanitizer", text):
-            findings.append("\n".join(re.findall(r"(?m)^.*(?:runtime error|ERROR: AddressSanitizer).*|^ +#.*", text)[:16]))
+        if "ERROR: AddressSanitizer" in text:
+            findings.append("\n".join(re.findall(r"(?m)^.*ERROR: AddressSanitizer.*|^ +#.*", text)[:16]))
     return findings, leaks, others

@@ -46,7 +46,7 @@ def planted(folder):
         reports = fresh(folder / "reports")
         subprocess.run([folder / "planted"], env={**os.environ, **sanitized.environment(reports, leaks=True)}, capture_output=True)
         findings, leaks, _ = sanitized.reported(reports)
-        print(f"  planted, {name}: {len(findings)} findings, {len(leaks)} leaks")
+        print(f"planted, {name}: {len(findings)} findings, {len(leaks)} leaks")
         found[0] += len(findings)
         found[1] += len(leaks)
     return found
@@ -70,7 +70,7 @@ def tests(build, pattern, environment):
 def coupled(folder, name, example, settings, ranks):
     """Runs a case and goes on with it from its restart. @return what is wrong"""
     run = folder / "run"
-    hotbed.prepare(ROOT / "examples" / example, run, settings, ranks=ranks, overwrite=True)
+    sanitized.prepare(example, run, settings, ranks)
     wrong = []
     for further in (1, 1.5):
         hotbed.change_settings(run / "settings", {"endTime": f"{further * float(settings['endTime']):g}"})
