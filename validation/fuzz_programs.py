@@ -121,7 +121,8 @@ class Programs:
                 wrong.append(f"exit status 0 without the end: {output[-300:]}")
             lines = [path.read_text().split("\n") for path in place.glob("postProcessing/hotbed/*/bed.csv")]
             bad = [line for text in lines for line in text[1:-1] if not all(math.isfinite(float(word or 0)) for word in line.split(","))]
-            wrong += [f"bed.csv is not finite: {line}" for line in bad] + ["bed.csv has no line"] * (not any(text[1:-1] for text in lines))
+            wrong += [f"bed.csv is not finite: {line}" for line in bad]
+            wrong += ["bed.csv has no line"] * ("\nTime = " in output and not any(text[1:-1] for text in lines))
         return code, output, wrong
 
     def dictionaries(self, dice, place):
