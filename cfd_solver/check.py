@@ -9,6 +9,7 @@ from pathlib import Path
 
 import run as hotbed
 from check_rows import ADVICE, OK, REFUSED, rows
+from paraview import NUMBER
 
 COLOURS = {OK: 32, ADVICE: 33, REFUSED: 31}
 
@@ -19,8 +20,8 @@ class Facts(dict):
     def __init__(self, log):
         super().__init__()
         self.every = []
-        for name, text in re.findall(r"(?m)^fact (\w+) (.*)$", log):
-            values = [float(v) if re.fullmatch(r"[-+]?[\d.]+(e[-+]?\d+)?", v) else v for v in text.split()]
+        for name, text in re.findall(r"(?m)^fact (\w+) (.*\S.*)$", log):
+            values = [float(v) if re.fullmatch(NUMBER, v) else v for v in text.split()]
             self.every.append((name, values))
             self[name] = values if len(values) > 1 else values[0]
 
@@ -55,7 +56,7 @@ def entry(case, key):
 
 def memory(log):
     """Peak memory of a rank [MiB], None where the run did not come that far."""
-    found = re.search(r"peak memory of a rank\s+(\S+) MiB", log)
+    found = re.search(rf"peak memory of a rank +({NUMBER}) MiB", log)
     return float(found[1]) if found else None
 
 

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import paraview
+from paraview import NUMBER
 
 COMMAND = os.environ.get("HOTBED_COMMAND", "./hotbed")  # as messages call it
 
@@ -27,20 +28,27 @@ def ending(path):
         return file.read().decode(errors="replace")
 
 
+def by_time(paths):
+    """The paths whose folder is named after a time, in its order; others, such as copies of the user's, are left out."""
+    timed = [path for path in paths if re.fullmatch(NUMBER, path.parent.name)]
+    return sorted(timed, key=lambda path: float(path.parent.name))
+
+
 def bed_now(run):
-    """The last whole line of a run's newest bed.csv, name -> text; empty before the first one."""
-    files = sorted(Path(run).glob("postProcessing/hotbed/*/bed.csv"), key=lambda path: float(path.parent.name))
+    """The numbers in the last whole line of a run's newest bed.csv, by name; empty before the first one."""
+    files = by_time(Path(run).glob("postProcessing/hotbed/*/bed.csv"))
     if not files:
         return {}
-    with open(files[-1]) as file:
+    with open(files[-1], errors="replace") as file:
         names = file.readline().strip().split(",")
     lines = ending(files[-1]).split("\n")[:-1]
-    return dict(zip(names, lines[-1].split(","))) if len(lines) > 1 else {}
+    last = zip(names, lines[-1].split(",")) if len(lines) > 1 else ()
+    return {name: float(text) for name, text in last if re.fullmatch(NUMBER, text)}
 
 
 def status(run, log, end, first, elapsed):
     """What a run is doing, in a line. @param first simulated time at the start [s]; @param elapsed wall time since then [s]"""
-    found = re.findall(r"Time = (\S+)  Courant (\S+)", ending(Path(run) / log))
+    found = re.findall(rf"Time = ({NUMBER})  Courant ({NUMBER})  ", ending(Path(run) / log))
     if not found:
         return None
     now, courant = map(float, found[-1])
@@ -50,8 +58,8 @@ def status(run, log, end, first, elapsed):
     bed = bed_now(run)
     for name, text in (("T_mean_K", "bed {:.2f} K"), ("pressure_drop_Pa", "pressure drop {:.4g} Pa"),
                        ("overlap_max", "overlap {:.2g}")):
-        if bed.get(name):
-            parts.append(text.format(float(bed[name])))
+        if name in bed:
+            parts.append(text.format(bed[name]))
     return now, "  ".join([*parts, f"Courant {courant:.2g}"])
 
 

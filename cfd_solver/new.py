@@ -50,6 +50,9 @@ def design(o):
     section, ball = width * depth, math.pi / 6 * o.diameter**3
     packed_height = o.static_height or (o.solids / (1 - PACKED) / section if o.solids else height / 4)
     solids = o.solids or packed_height * section * (1 - PACKED)
+    if solids > section * height:
+        raise hotbed.CaseError(f"the particles' volume of {solids:.3g} m3 is more than the column's, {section * height:.3g} m3: set a "
+                               "greater --size, or a smaller --static-height or --solids")
     ratio = o.l or max(1.0, math.ceil(2 * (solids / ball / MOST) ** (1 / 3)) / 2)
     coarse = ratio * o.diameter
     if 3 * coarse > min(width, depth, height):
@@ -116,21 +119,25 @@ def write(o, command):
     return settings
 
 
-def positive(text):
-    value = float(text)
-    if not (value > 0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"must be a number > 0, not {text}")
-    return value
+def ranged(low, high):
+    """What argparse is to take: a number from low to high."""
+    def number(text):
+        value = float(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"must be a number >= {low:g}, <= {high:g}, not {text}")
+        return value
+    return number
 
 
 def parser():
+    positive = ranged(1e-12, 1e12)
     p = argparse.ArgumentParser(prog="hotbed new", description="Writes a case of a fluidised bed, ready to run, from a few numbers.")
     p.add_argument("name", help="folder of the new case")
     p.add_argument("--u0", type=positive, required=True, help="superficial gas velocity [m/s]; the bed bubbles at two to five "
                    "times the minimum fluidisation velocity that `hotbed check` tells")
 
-    def number(name, default, what, **more):
-        p.add_argument(name, type=positive, default=default, help=f"{what} (default {default})", **more)
+    def number(name, default, what, allowed=positive):
+        p.add_argument(name, type=allowed, default=default, help=f"{what} (default {default})")
 
     p.add_argument("--size", type=positive, nargs=3, metavar=("W", "D", "H"), default=[0.02, 0.01, 0.1],
                    help="width, depth, height of the column [m] (default 0.02 0.01 0.1)")
@@ -145,8 +152,8 @@ def parser():
     number("--temperature", 363.15, "of the particles at the start [K]")
     number("--inlet-temperature", 293.15, "of the gas that comes in, and of that there is at the start [K]")
     number("--heat-capacity", 779, "of the particle [J/kg/K]")
-    number("--restitution", 0.74, "coefficient, normal [-]")
-    p.add_argument("--friction", type=float, default=0.1, help="coefficient [-] (default 0.1)")
+    number("--restitution", 0.74, "coefficient, normal [-]", ranged(1e-12, 1))
+    number("--friction", 0.1, "coefficient [-]", ranged(0, 1e6))
     number("--end", 0.5, "end time [s]")
     return p
 
@@ -154,10 +161,6 @@ def parser():
 def main():
     options = parser().parse_args()
     try:
-        if options.restitution > 1:
-            raise hotbed.CaseError("--restitution must be at most 1")
-        if options.friction < 0:
-            raise hotbed.CaseError("--friction must be at least 0")
         settings = write(options, " ".join([f"{COMMAND} new", *sys.argv[1:]]))
     except hotbed.CaseError as problem:
         sys.exit(f"hotbed: {problem}")

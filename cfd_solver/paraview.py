@@ -11,9 +11,12 @@ import base64
 import json
 import re
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
+
+NUMBER = r"-?\d+\.?\d*(?:[eE][+-]?\d+)?"  # as programs write them
 
 # columns of the dump that make up a quantity -> its name and factor; any other column keeps its name
 NAMES = {("vx", "vy", "vz"): ("U", 1), ("radius",): ("d", 2), ("diameter",): ("d", 1), ("f_Temp",): ("T", 1),
@@ -22,16 +25,19 @@ NAMES = {("vx", "vy", "vz"): ("U", 1), ("radius",): ("d", 2), ("diameter",): ("d
 
 def read_dump(path):
     """One LIGGGHTS text dump of numbers. @return column -> values, or None where the file is not a complete one"""
-    text = Path(path).read_text()
+    text = Path(path).read_text(errors="replace")
     head = re.match(r"ITEM: TIMESTEP\n\d+\nITEM: NUMBER OF ATOMS\n(\d+)\nITEM: BOX[^\n]*\n(?:[^\n]*\n){3}"
                     r"ITEM: ATOMS ([^\n]*)\n", text)
     if not head or not text.endswith("\n"):
         return None
     columns = head[2].split()
-    values = np.fromstring(text[head.end():], sep=" ")
-    if len(values) != int(head[1]) * len(columns):
-        return None
-    return dict(zip(columns, values.reshape(-1, len(columns)).T))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # as numpy tells of what is no number
+        try:
+            values = np.fromstring(text[head.end():], sep=" ").reshape(int(head[1]), len(columns))
+        except (ValueError, DeprecationWarning):
+            return None
+    return dict(zip(columns, values.T))
 
 
 def point_data(dump):
@@ -82,7 +88,7 @@ def dem_timestep(run):
     if not log.exists():
         return None
     with open(log, errors="replace") as file:
-        step = re.search(r"DEM step\s+(\S+) s\n", file.read(20000))
+        step = re.search(rf"DEM step +({NUMBER}) s\n", file.read(20000))
     return float(step[1]) if step else None
 
 

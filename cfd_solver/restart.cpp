@@ -7,6 +7,7 @@
 #include "OStringStream.H"
 
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <set>
@@ -24,7 +25,7 @@ namespace
 const word particleFile("particles.liggghts");
 
 /// SHA-1 of a file, or of nothing where it cannot be read. @param end  its last bytes, for OpenFOAM's closing line
-std::string checksum(const fileName& path, std::string& end)
+std::string checksum(const std::string& path, std::string& end)
 {
     std::ifstream file(path, std::ios::binary);
     SHA1 sum;
@@ -78,6 +79,14 @@ std::string fieldChecksums(const Time& runTime)
     return lines.str();
 }
 
+/// The time that a folder is named after, negative where that is something else.
+scalar timeOf(const fileName& folder)
+{
+    char* end = nullptr;
+    const scalar time = std::strtod(folder.c_str(), &end);
+    return end != folder.c_str() && *end == '\0' && std::isfinite(time) ? time : -1;
+}
+
 /// the subdomain folder a path begins with, empty without one
 std::string subdomain(const std::string& path)
 {
@@ -112,16 +121,14 @@ void Restart::setAsideUnfinished(const fileName& casePath)
     {
         scalar last = 0;
         for (const fileName& time : readDir(restarts, fileName::DIRECTORY))
-            if (isFile(restarts / time / "state")) last = max(last, std::strtod(time.c_str(), nullptr));
+            if (isFile(restarts / time / "state")) last = max(last, timeOf(time));
         fileNameList places(1, casePath);
         for (const fileName& place : readDir(casePath, fileName::DIRECTORY))
             if (place.find("processor") == 0) places.append(casePath / place);
         for (const fileName& place : places)
             for (const fileName& time : readDir(place, fileName::DIRECTORY))
             {
-                char* end = nullptr;
-                const scalar value = std::strtod(time.c_str(), &end);
-                if (*end != '\0' || !(value > last * (1 + 1e-9))) continue;
+                if (!(timeOf(time) > last * (1 + 1e-9))) continue;
                 const fileName aside = place / (time + ".unfinished");
                 rmDir(aside);
                 mv(place / time, aside);
@@ -171,8 +178,9 @@ void Restart::refuseDamaged() const
         for (const auto& [sum, path] : entries)
         {
             if (!sameRanks && path.compare(0, 8, "restart/") != 0) continue;
-            if (damaged.empty() && checksum(runTime_.globalPath() / path, end) != sum)
-                damaged = path + (isFile(runTime_.globalPath() / path) ? " is not as the run wrote it" : " is missing");
+            const std::string place = runTime_.globalPath() + "/" + path; // OpenFOAM ends a run at a name with a blank
+            if (damaged.empty() && checksum(place, end) != sum)
+                damaged = path + (std::ifstream(place) ? " is not as the run wrote it" : " is missing");
         }
         if (damaged.empty() && !whole) damaged = list.relative(runTime_.globalPath()) + " is not as the run wrote it";
     }

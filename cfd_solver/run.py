@@ -11,7 +11,8 @@ from pathlib import Path
 
 import decompose as decomposition
 import paraview
-from follow import COMMAND, Stopped, ending, progress, stop
+from follow import COMMAND, Stopped, by_time, ending, progress, stop
+from paraview import NUMBER
 
 ROOT = Path(__file__).resolve().parent.parent
 INSTALLED = not (ROOT / "CMakeLists.txt").is_file()  # in PREFIX/share/hotbed
@@ -38,22 +39,32 @@ def environment():
 
 
 ENTRY = r"(?m)^(\s*)({})(\s+)([^;]+);"
+KEPT = {"encoding": "utf-8", "errors": "surrogateescape"}  # files of a case may be in any encoding, and keep it
+
+
+def read(path):
+    """Text of a file of a case."""
+    return Path(path).read_text(**KEPT)
+
+
+def write(path, text):
+    Path(path).write_text(text, **KEPT)
 
 
 def read_settings(path):
     """name -> text of every entry of a settings file."""
-    return {m[2]: m[4].strip() for m in re.finditer(ENTRY.format(r"\w+"), Path(path).read_text())}
+    return {m[2]: m[4].strip() for m in re.finditer(ENTRY.format(r"\w+"), read(path))}
 
 
 def change_settings(path, changes):
     """Writes new values into a settings file; an unknown name is a CaseError."""
-    text = Path(path).read_text()
+    text = read(path)
     known = read_settings(path)
     for name, value in changes.items():
         if name not in known:
             raise CaseError(f"{path}: no setting '{name}'; known are {', '.join(known)}")
         text = re.sub(ENTRY.format(re.escape(name)), lambda m: f"{m[1]}{m[2]}{m[3]}{value};", text)
-    Path(path).write_text(text)
+    write(path, text)
 
 
 COUPLING = ("drag", "heatTransfer", "kernelWidth", "windowLength", "kernelSamples", "exchange", "temperatureGradient",
@@ -80,8 +91,8 @@ def change_case(run, changes):
         file = place(run, name)
         if file == "constant/couplingProperties":
             other = {"windowLength": "kernelWidth", "kernelWidth": "windowLength"}.get(name, name)  # one of the two may stand
-            text = re.sub(ENTRY.format(f"{name}|{other}"), "", properties.read_text())
-            properties.write_text(f"{text.rstrip()}\n{name} {value};\n")
+            text = re.sub(ENTRY.format(f"{name}|{other}"), "", read(properties))
+            write(properties, f"{text.rstrip()}\n{name} {value};\n")
         else:
             change_settings(run / file, {name: value})
 
@@ -127,10 +138,10 @@ def mesh(run):
     script = run / read_settings(properties).get("demScript", "").strip('"')
     if not script.is_file():
         return  # the solver says so
-    for name in re.findall(r"(?m)^[^#\n]*\sconstant/triSurface/(\w+)\.stl\b", script.read_text()):
+    for name in re.findall(r"(?m)^[^#\n]*\sconstant/triSurface/(\w+)\.stl\b", read(script)):
         surface = run / f"constant/triSurface/{name}.stl"
         if not surface.is_file():
-            patches = re.findall(r"(?m)^\s*(\w+)\s*\{", (run / "constant/polyMesh/boundary").read_text().split("}", 1)[1])
+            patches = re.findall(r"(?m)^\s*(\w+)\s*\{", read(run / "constant/polyMesh/boundary").partition("}")[2])
             if name not in patches:
                 raise CaseError(f"{script} reads {surface}, which is not there: bring that surface, or name it after the patch "
                                 f"of the mesh that it is to be written from ({', '.join(patches)})")
@@ -144,7 +155,7 @@ def resume(run, changes=None, ranks=1):
     Raises CaseError where there is no run, or one without restarts.
     """
     run = Path(run)
-    restarts = sorted(run.glob("restart/*/state"), key=lambda state: float(state.parent.name))
+    restarts = by_time(run.glob("restart/*/state"))
     if not restarts:
         raise CaseError(f"{run} holds no restart to go on from: run it anew, without --restart")
     last = restarts[-1].parent
@@ -172,15 +183,15 @@ def move_checksums(run, checksums):
         raise CaseError(f"the restart {checksums.parent} is damaged: {check.stdout.strip() or check.stderr.strip()}\n"
                         f"To go on from the restart before it, remove {checksums.parent}/state. If you changed the file "
                         f"yourself and mean it, remove {checksums}")
-    kept = [line for line in checksums.read_text().splitlines(keepends=True) if "  restart/" in line]
-    checksums.write_text("".join(kept))
+    kept = [line for line in read(checksums).splitlines(keepends=True) if "  restart/" in line]
+    write(checksums, "".join(kept))
 
 
 def decompose(run, ranks, *options):
     """Splits the gas for a number of ranks, as system/decomposeParDict says; see cfd_solver/decompose.py for what it leaves
     open."""
     dictionary = Path(run) / "system/decomposeParDict"
-    text = dictionary.read_text() if dictionary.is_file() else decomposition.DICTIONARY
+    text = read(dictionary) if dictionary.is_file() else decomposition.DICTIONARY
     text, found = re.subn(r"(?m)^(\s*numberOfSubdomains\s+)\d+", rf"\g<1>{ranks}", text)
     if not found:
         raise CaseError(f"{dictionary}: the entry numberOfSubdomains is missing")
@@ -191,7 +202,7 @@ def decompose(run, ranks, *options):
         grid = decomposition.pieces(ranks, decomposition.extent((Path(run) / "log.checkMesh").read_text()),
                                     [float(g) for g in gravity[gravity.rindex("("):].strip("( )\n").split()])
         text = re.sub(decomposition.PIECES, "n ({} {} {})".format(*grid), text)
-    dictionary.write_text(text)
+    write(dictionary, text)
     tool(run, "decomposePar", *options)
 
 
@@ -237,6 +248,16 @@ def finish(run, ranks=1, log="log.hotbedFoam"):
     written = [p for p in Path(run).glob("processor0/[0-9]*") if re.fullmatch(r"[\d.e+-]+", p.name) and float(p.name) > 0]
     if ranks > 1 and written:
         tool(run, "reconstructPar")
+
+
+def end_time(run):
+    """End time of a case [s]. Raises CaseError where it has none."""
+    found = subprocess.run(["foamDictionary", "-entry", "endTime", "-value", "system/controlDict"], cwd=run, env=environment(),
+                           text=True, errors="replace", capture_output=True)
+    value = found.stdout.split()[-1:] or ["missing"]
+    if found.returncode != 0 or not re.fullmatch(NUMBER, value[0]):
+        raise CaseError(f"{run}/system/controlDict: endTime must be a number, not '{value[0]}'\n{found.stderr[-1000:]}")
+    return float(value[0])
 
 
 def for_paraview(run):
@@ -303,8 +324,7 @@ def main():
             resume(run, changes, options.np)
         else:
             prepare(case, run, changes, options.full, options.np, options.overwrite)
-        end = float(subprocess.check_output(["foamDictionary", "-entry", "endTime", "-value", "system/controlDict"],
-                                            cwd=run, env=environment(), text=True).split()[-1])
+        end = end_time(run)
         print(f"running in {run}, log in {run}/log.hotbedFoam", flush=True)
         process = start(run, options.np, own_session=True)
         try:

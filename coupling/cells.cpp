@@ -135,7 +135,7 @@ public:
         if (cells_.nCells_ == 0)
         {
             weights_.particle.resize(first + std::size_t(count));
-            std::fill_n(&found[0][0], 2 * count, 0.0);
+            for (int n = 0; n < count; ++n) found[n][0] = found[n][1] = 0.0;
             return;
         }
         weights_.append(cells_.axis_, count, particles, found);

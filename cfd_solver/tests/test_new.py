@@ -85,8 +85,9 @@ class New(CoupledTest):
 
     def test_what_does_not_go_together_is_refused(self):
         for values, text in (({"l": 10}, "set --l to at most 6.67"), ({"static-height": 0.09}, "greater height"),
-                             ({"solids": 1e-12}, "less than one coarse particle"), ({"diameter": 0}, "must be a number > 0"),
-                             ({"gas": "helium"}, "invalid choice"), ({"restitution": 1.2}, "at most 1")):
+                             ({"solids": 1e-12}, "less than one coarse particle"), ({"diameter": 0}, "must be a number >= 1e-12"),
+                             ({"gas": "helium"}, "invalid choice"), ({"restitution": 1.2}, "must be a number >= 1e-12, <= 1,"),
+                             ({"friction": "nan"}, "must be a number >= 0,")):
             with self.subTest(text):
                 case, done = self.make("bad", u0=0.2, **values)
                 self.assertNotEqual(done.returncode, 0)

@@ -64,7 +64,7 @@ def liggghts(folder, script, ranks=1):
     if ranks > 1:
         command = ["mpirun", "-np", str(ranks), *command]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=120,
-                          env=dict(os.environ, LD_PRELOAD=str(LIBRARY)))
+                          env=dict(os.environ, LD_PRELOAD=f"{os.environ.get('LD_PRELOAD', '')}:{LIBRARY}"))
     if done.returncode:
         raise RuntimeError(done.stdout[-2000:] + done.stderr)
     return done.stdout

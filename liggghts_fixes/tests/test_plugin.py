@@ -40,7 +40,7 @@ def liggghts(script, ranks=1):
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "in.test").write_text(script)
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", timeout=120,
-                              env=dict(os.environ, LD_PRELOAD=str(LIBRARY)))
+                              env=dict(os.environ, LD_PRELOAD=f"{os.environ.get('LD_PRELOAD', '')}:{LIBRARY}"))
         return done.returncode, done.stdout + done.stderr
 
 

@@ -44,7 +44,7 @@ def tutorial(name, steps=None, preload=None):
             text, formats = re.subn(r"(?m)^(\s*thermo_modify\s.*)$", r"\1 format float %.17g", text)
             assert runs and formats, f"{name} has no run or no thermo_modify"
         (case / script).write_text(text)
-        environment = dict(os.environ, **({"LD_PRELOAD": str(preload)} if preload else {}))
+        environment = dict(os.environ, **({"LD_PRELOAD": f"{os.environ.get('LD_PRELOAD', '')}:{preload}"} if preload else {}))
         done = subprocess.run(["liggghts", "-in", script, "-log", "none"], cwd=case, env=environment, timeout=120,
                               capture_output=True, text=True, errors="replace")
         return done.returncode, done.stdout + done.stderr

@@ -87,7 +87,7 @@ def after(script):
         (Path(folder) / "in.test").write_text(script + RUN)
         (Path(folder) / "plane.stl").write_text(stl(SQUARE, "1 0 0"))
         done = subprocess.run(["liggghts", "-in", "in.test", "-log", "none"], cwd=folder, capture_output=True, text=True,
-                              errors="replace", timeout=120, env=dict(os.environ, LD_PRELOAD=str(LIBRARY)))
+                              errors="replace", timeout=120, env=dict(os.environ, LD_PRELOAD=f"{os.environ.get('LD_PRELOAD', '')}:{LIBRARY}"))
         assert done.returncode == 0, done.stdout[-2000:] + done.stderr
         return np.loadtxt(Path(folder) / "ball.txt", skiprows=9)
 
