@@ -66,7 +66,7 @@ class Balance(unittest.TestCase):
             (Path(folder) / "floor.stl").write_text(floor())
             (Path(folder) / "in").write_text(SCRIPT.format(grid=grid, balance=balance))
             done = subprocess.run(["mpirun", "-np", str(ranks), "liggghts", "-in", "in", "-log", "none"], cwd=folder, text=True,
-                                  capture_output=True, timeout=120, env=dict(os.environ, LD_PRELOAD=str(LIBRARY)))
+                                  capture_output=True, timeout=120, env=dict(os.environ, LD_PRELOAD=f"{os.environ.get('LD_PRELOAD', '')}:{LIBRARY}"))
             self.assertEqual(done.returncode, 0, done.stdout[-2000:] + done.stderr[-2000:])
             start, end = (np.loadtxt(Path(folder) / f"end{step}.txt", skiprows=9) for step in (0, STEPS))
             self.assertEqual(len(start), len(end), "particles were lost")
