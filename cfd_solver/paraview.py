@@ -48,13 +48,15 @@ def point_data(dump):
             values = factor * np.array([dump[c] for c in columns]).T
             data[name] = values if len(columns) > 1 else values[:, 0]
             left = [c for c in left if c not in columns]
-    data.update((c, dump[c].astype(np.int32) if c in ("id", "type") else dump[c]) for c in left)
+    with np.errstate(invalid="ignore"):  # an id that is none
+        data.update((c, dump[c].astype(np.int32) if c in ("id", "type") else dump[c]) for c in left)
     return data
 
 
 def array(values, name):
     """A DataArray element: 32-bit numbers, base64 behind their length in bytes."""
-    values = np.ascontiguousarray(values, np.int32 if values.dtype.kind == "i" else np.float32)
+    with np.errstate(over="ignore"):  # what a blow-up left is infinite
+        values = np.ascontiguousarray(values, np.int32 if values.dtype.kind == "i" else np.float32)
     packed = base64.b64encode(np.uint64(values.nbytes).tobytes() + values.tobytes()).decode()
     return (f'<DataArray type="{"Int32" if values.dtype.kind == "i" else "Float32"}" Name="{name}" '
             f'NumberOfComponents="{values.shape[1] if values.ndim > 1 else 1}" format="binary">{packed}</DataArray>\n')

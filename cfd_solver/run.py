@@ -136,7 +136,7 @@ def mesh(run):
         raise CaseError(f"{run} has no mesh: put a blockMeshDict into system, or the mesh itself into constant/polyMesh")
     properties = run / "constant/couplingProperties"
     script = run / read_settings(properties).get("demScript", "").strip('"')
-    if not script.is_file():
+    if not os.path.isfile(script):  # also of a name that no file can have
         return  # the solver says so
     for name in re.findall(r"(?m)^[^#\n]*\sconstant/triSurface/(\w+)\.stl\b", read(script)):
         surface = run / f"constant/triSurface/{name}.stl"

@@ -70,7 +70,8 @@ class Programs:
         for path in self.reports.iterdir():
             path.unlink()
         ended = [] if done.returncode in (0, 1) or findings else [f"ended with {done.returncode}: {output[-500:]}"]
-        silent = ["no error, and not the end either"] if done.returncode == 1 and not findings and "ERROR" not in output else []
+        said = "ERROR" in output or "MPI_ABORT" in output  # which loses what LIGGGHTS has printed into a pipe
+        silent = ["no error, and not the end either"] if done.returncode == 1 and not findings and not said else []
         return done.returncode, output, findings + ended + silent
 
     def styles(self, dice, place):
