@@ -14,7 +14,7 @@ def start(l, end):
     """The bed after at least `end` seconds at the default settings, run on two ranks as far as it is not there yet.
     @return folder of the run"""
     run, = campaign.run_all(CASE, Path("results") / "fluidized_bed" / "bench",
-                            [{"l": l, "endTime": f"{end}", "writeInterval": f"{end}"}], at_once=1, ranks=2)
+                            [{"l": l, "endTime": f"{end}", "writeInterval": "0.01"}], at_once=1, ranks=2)
     return run
 
 
