@@ -196,14 +196,22 @@ def decompose(run, ranks, *options):
     if not found:
         raise CaseError(f"{dictionary}: the entry numberOfSubdomains is missing")
     if decomposition.is_open(text, ranks):
-        tool(run, "checkMesh", "-constant", "-noTopology")
-        gravity = subprocess.check_output(["foamDictionary", "-entry", "value", "-value", "constant/g"], cwd=run,
-                                          env=environment(), text=True)
-        grid = decomposition.pieces(ranks, decomposition.extent((Path(run) / "log.checkMesh").read_text()),
-                                    [float(g) for g in gravity[gravity.rindex("("):].strip("( )\n").split()])
-        text = re.sub(decomposition.PIECES, "n ({} {} {})".format(*grid), text)
+        text = re.sub(decomposition.PIECES, "n ({} {} {})".format(*decomposition.pieces(ranks, *box(run))), text)
     write(dictionary, text)
     tool(run, "decomposePar", *options)
+
+
+def box(run):
+    """Size of the mesh along x, y, z [m], and gravity."""
+    tool(run, "checkMesh", "-constant", "-noTopology")
+    size = decomposition.extent((Path(run) / "log.checkMesh").read_text())
+    read_g = subprocess.run(["foamDictionary", "-entry", "value", "-value", "constant/g"], cwd=run, env=environment(),
+                            capture_output=True, text=True, errors="replace")
+    found = re.search(r"\(\s*(\S+)\s+(\S+)\s+(\S+?)\s*\)\s*$", read_g.stdout)
+    try:
+        return size, [float(g) for g in found.groups()]
+    except (AttributeError, ValueError):
+        raise CaseError(f"{run}/constant/g has no vector 'value': write 'value (0 0 -9.81);'") from None
 
 
 def tool(run, *command):
