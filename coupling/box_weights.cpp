@@ -296,30 +296,23 @@ double BoxWeights::mass(const Particle& p) const
 namespace
 {
 
-template <class Slots>
-inline void interpolateOn(Slots slots, int fields, const BoxWeights& weights, int first, int count, const double* cells,
-                          double* result)
+/// work(values, slots), their types chosen by the number of fields and by whether slots and cells have the same numbers
+template <class Work> inline void choose(int fields, const BoxWeights& weights, Work&& work)
 {
-    if (fields == 1) return interpolateFields<Values1>(weights, slots, first, count, cells, result);
-    if (fields == 2) return interpolateFields<Values2>(weights, slots, first, count, cells, result);
-    if (fields == 4) return interpolateFields<Values4>(weights, slots, first, count, cells, result);
-    if (fields == 8) return interpolateFields<Values8>(weights, slots, first, count, cells, result);
-    if (fields == 12) return interpolateFields<Values12>(weights, slots, first, count, cells, result);
-    if (fields == 16) return interpolateFields<Values16>(weights, slots, first, count, cells, result);
-    throw std::invalid_argument("interpolate: 1, 2, 4, 8, 12 or 16 fields at a time");
-}
-
-template <class Slots>
-inline void depositOn(Slots slots, int fields, const BoxWeights& weights, int first, int count, const double* particles,
-                      double* cells)
-{
-    if (fields == 1) return depositFields<Values1>(weights, slots, first, count, particles, cells);
-    if (fields == 2) return depositFields<Values2>(weights, slots, first, count, particles, cells);
-    if (fields == 4) return depositFields<Values4>(weights, slots, first, count, particles, cells);
-    if (fields == 8) return depositFields<Values8>(weights, slots, first, count, particles, cells);
-    if (fields == 12) return depositFields<Values12>(weights, slots, first, count, particles, cells);
-    if (fields == 16) return depositFields<Values16>(weights, slots, first, count, particles, cells);
-    throw std::invalid_argument("deposit: 1, 2, 4, 8, 12 or 16 fields at a time");
+    const auto withSlots = [&](auto values)
+    {
+        if (weights.cellOf)
+            work(values, SomeSlots{weights.cellOf});
+        else
+            work(values, AllSlots{});
+    };
+    if (fields == 1) return withSlots(Values1{});
+    if (fields == 2) return withSlots(Values2{});
+    if (fields == 4) return withSlots(Values4{});
+    if (fields == 8) return withSlots(Values8{});
+    if (fields == 12) return withSlots(Values12{});
+    if (fields == 16) return withSlots(Values16{});
+    throw std::invalid_argument("interpolate, deposit: 1, 2, 4, 8, 12 or 16 fields at a time");
 }
 
 } // namespace
@@ -327,19 +320,17 @@ inline void depositOn(Slots slots, int fields, const BoxWeights& weights, int fi
 HOTBED_VECTORISED void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells,
                                    double* result)
 {
-    if (weights.cellOf)
-        interpolateOn(SomeSlots{weights.cellOf}, fields, weights, first, count, cells, result);
-    else
-        interpolateOn(AllSlots{}, fields, weights, first, count, cells, result);
+    choose(fields, weights,
+           [&](auto values, auto slots)
+           { interpolateFields<decltype(values)>(weights, slots, first, count, cells, result); });
 }
 
 HOTBED_VECTORISED void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles,
                                double* cells)
 {
-    if (weights.cellOf)
-        depositOn(SomeSlots{weights.cellOf}, fields, weights, first, count, particles, cells);
-    else
-        depositOn(AllSlots{}, fields, weights, first, count, particles, cells);
+    choose(fields, weights,
+           [&](auto values, auto slots)
+           { depositFields<decltype(values)>(weights, slots, first, count, particles, cells); });
 }
 
 } // namespace hotbed
