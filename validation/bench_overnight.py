@@ -1,4 +1,4 @@
-"""The paper's bed for 25 s at the default settings (l = 2.5, 0.20 m/s) on two ranks, extrapolated from half a second of slugging
+"""The paper's bed for 25 s at the default settings (l = 2.5, 0.20 m/s) on two ranks, extrapolated from half a second of the moving
 bed. `./hotbed bench overnight [--quick]`; needs two free cores.
 
 Goes on from the bed after 0.2 s (--quick: 0.02 s, from which 0.02 s are run), which is made once and kept in
