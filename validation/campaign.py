@@ -33,9 +33,10 @@ def reached(folder):
 
 
 def ended(folder):
-    """Whether a folder holds a run that came to its end: the table that closes the log is there."""
+    """Whether a folder holds a run that came to its end: the table that closes the log is there, and no signal before it."""
     log = Path(folder) / "log.hotbedFoam"
-    return log.is_file() and "\n    whole run" in hotbed.ending(log)
+    text = hotbed.ending(log) if log.is_file() else ""
+    return "\n    whole run" in text and "\nStopped by signal" not in text
 
 
 def done(folder, settings):

@@ -1,0 +1,45 @@
+"""Which runs of a campaign count as done, and the bars of its means."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "validation"), str(ROOT / "cfd_solver")]
+import campaign
+
+TABLE = "Timing (1 rank, 9 steps)\n    whole run    1.00\n"
+
+
+class Campaign(unittest.TestCase):
+    def done(self, log, end, restarts=()):
+        """Of a run that was to end at 5 s and is wanted until `end`."""
+        with tempfile.TemporaryDirectory() as place:
+            run = Path(place)
+            (run / "settings").write_text("endTime 5;\n")
+            (run / "log.hotbedFoam").write_text(log)
+            for time in restarts:
+                (run / f"restart/{time}").mkdir(parents=True)
+                (run / f"restart/{time}/state").touch()
+            return campaign.done(run, {"endTime": end})
+
+    def test_a_run_is_done_when_it_came_to_its_end_and_not_when_it_was_stopped(self):
+        self.assertTrue(self.done(TABLE, "5"))
+        self.assertTrue(self.done(TABLE, "2.5"))
+        self.assertFalse(self.done(TABLE, "6"))
+        self.assertFalse(self.done("Time = 3\n", "5"))
+        self.assertFalse(self.done("\nStopped by signal 15 at 0.7 s, restart written\n" + TABLE, "5", ["0.5", "0.7"]))
+        self.assertTrue(self.done("\nStopped by signal 15 at 0.7 s, restart written\n" + TABLE, "0.5", ["0.5", "0.7"]))
+
+    def test_bar_of_a_mean_is_students(self):
+        deviation, freedom = campaign.spread([np.array([1.0, 3.0]), np.array([2.0, 2.0, 5.0])])
+        self.assertEqual(freedom, 3)
+        self.assertAlmostEqual(deviation, (8 / 3)**0.5)
+        self.assertAlmostEqual(campaign.bar(1.0, 3, 4), 3.182446 / 2, places=5)  # tables of the distribution
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
