@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from numpy.lib.recfunctions import repack_fields
 
 
 def field(path):
@@ -44,8 +45,8 @@ def layer_means(heights, values, edges):
 
 
 def bed(run):
-    """bed.csv of a run as a structured array; where the run was stopped and went on, one piece after the other. A line that
-    a killed run left unfinished is dropped."""
+    """bed.csv of a run as a structured array; where the run was stopped and went on, one piece after the other, with the columns
+    that all of them have. A line that a killed run left unfinished is dropped."""
     paths = sorted(Path(run).glob("postProcessing/hotbed/*/bed.csv"), key=lambda p: float(p.parent.name))
     pieces = []
     for path in paths:
@@ -54,7 +55,8 @@ def bed(run):
         pieces.append(np.atleast_1d(np.genfromtxt(whole, delimiter=",", names=True)))
     for n, later in enumerate(paths[1:]):
         pieces[n] = pieces[n][pieces[n]["time_s"] < float(later.parent.name) * (1 + 1e-9)]
-    return np.concatenate(pieces)
+    columns = [name for name in pieces[0].dtype.names if all(name in piece.dtype.names for piece in pieces)]
+    return np.concatenate([repack_fields(piece[columns]) for piece in pieces])
 
 
 def timing(run):

@@ -10,6 +10,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "validation"), str(ROOT / "cfd_solver")]
 import campaign
+import results
 
 TABLE = "Timing (1 rank, 9 steps)\n    whole run    1.00\n"
 
@@ -33,6 +34,16 @@ class Campaign(unittest.TestCase):
         self.assertFalse(self.done("Time = 3\n", "5"))
         self.assertFalse(self.done("\nStopped by signal 15 at 0.7 s, restart written\n" + TABLE, "5", ["0.5", "0.7"]))
         self.assertTrue(self.done("\nStopped by signal 15 at 0.7 s, restart written\n" + TABLE, "0.5", ["0.5", "0.7"]))
+
+    def test_pieces_of_two_versions_go_together_with_the_columns_of_both(self):
+        with tempfile.TemporaryDirectory() as place:
+            for start, text in (("0", "time_s,a,b\n1,10,100\n2,20,200\n3,30,300\n"), ("2", "time_s,new,b\n3,0,301\n4,0,400\n5,0")):
+                folder = Path(place) / "postProcessing/hotbed" / start
+                folder.mkdir(parents=True)
+                (folder / "bed.csv").write_text(text)
+            bed = results.bed(place)
+            self.assertEqual(bed.dtype.names, ("time_s", "b"))
+            self.assertEqual(bed.tolist(), [(1, 100), (2, 200), (3, 301), (4, 400)])
 
     def test_bar_of_a_mean_is_students(self):
         deviation, freedom = campaign.spread([np.array([1.0, 3.0]), np.array([2.0, 2.0, 5.0])])
