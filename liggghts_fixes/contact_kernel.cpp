@@ -15,6 +15,9 @@ using Place = ContactRows::Place;
 using Motion = ContactRows::Motion;
 using Load = ContactRows::Load;
 
+/// Of a block: few enough that the rows of its particles are no more than what pairs reach over anyway, many batches
+constexpr int blockPairs = 4096;
+
 /// i less j, but the sum of the fourth
 inline Row less(const Row& i, const Row& j)
 {
@@ -42,17 +45,18 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
 
 /// Looks through the pairs from p on until the batch is full. @return the next pair to look at
 template <bool friction>
-inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const ContactRows& rows, int p)
+inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const ContactRows& rows, int p, int end)
 {
     const Place* place = rows.place.data();
     const int* first = pairs.i.data();
     const int* second = pairs.j.data();
-    const int count = int(pairs.i.size());
+    const int mask = pairs.ring - 1;
     int n = 0;
-    for (; p < count && n <= width - 4; p += 4)
+    for (; p < end && n <= width - 4; p += 4)
     {
         Row row[4], x[4];
-        for (int k = 0; k < 4; ++k) x[k] = row[k] = less(place[first[p + k]].center, place[second[p + k]].center);
+        for (int k = 0; k < 4; ++k)
+            x[k] = row[k] = less(place[first[p + k] & mask].center, place[second[p + k]].center);
         transpose(x[0], x[1], x[2], x[3]);
         const Index touches = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3];
         // a byte for each pair, as in pairs.contact
@@ -74,7 +78,7 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, cons
     for (int k = 0; k < n; ++k)
     {
         const int pair = batch.pair[k], i = first[pair];
-        batch.i[k] = i;
+        batch.i[k] = i & mask;
         batch.j[k] = second[pair];
         __builtin_prefetch(&rows.motion[batch.j[k]]);
         __builtin_prefetch(&rows.load[batch.j[k]], 1);
@@ -154,60 +158,68 @@ template <bool friction> inline void scatter(const Batch& batch, Load* load)
         for (int a = 0; a < 3; ++a) batch.spring[k][a] = batch.stretch[a][k];
 }
 
-template <bool friction> inline void addLoads(ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
+/// Puts a particle into its row.
+inline void enter(ContactRows& rows, int row, const ContactParticles& particles, int i)
 {
+    const double *x = particles.x[i], *v = particles.v[i], *w = particles.omega[i];
+    const double r = particles.radius[i];
+    rows.place[row].center = Row{x[0], x[1], x[2], r};
+    rows.motion[row].velocity = Row{v[0], v[1], v[2], 1.0 / particles.mass[i]};
+    rows.motion[row].spin = Row{w[0], w[1], w[2], r};
+    rows.load[row] = Load{};
+}
+
+/// Adds what a row has got to its particle.
+template <bool friction> inline void leave(const Load& load, const ContactParticles& particles, int i)
+{
+    for (int a = 0; a < 3; ++a) particles.force[i][a] += load.force[a];
+    if (!friction) return;
+    for (int a = 0; a < 3; ++a) particles.torque[i][a] += load.torque[a];
+}
+
+template <bool friction>
+inline void run(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
+{
+    for (int i = particles.local; i < particles.all; ++i) enter(rows, pairs.ring + i - particles.local, particles, i);
+    rows.place[pairs.ring + particles.all - particles.local].center = Row{1e100, 0.0, 0.0, 0.0};
+
     Batch batch;
     fill(batch, step.constants[0]);
-    for (int p = 0; p < int(pairs.i.size());)
+    const int mask = pairs.ring - 1;
+    int p = 0, entered = 0, left = 0;
+    for (const PairBlock& block : pairs.blocks)
     {
-        p = find<friction>(batch, pairs, step, rows, p);
-        gather<friction>(batch, pairs, step, rows.motion.data());
-        law<friction>(batch, step.timestep);
-        scatter<friction>(batch, rows.load.data());
+        for (; entered < block.entered; ++entered) enter(rows, entered & mask, particles, entered);
+        while (p < block.end)
+        {
+            p = find<friction>(batch, pairs, step, rows, p, block.end);
+            gather<friction>(batch, pairs, step, rows.motion.data());
+            law<friction>(batch, step.timestep);
+            scatter<friction>(batch, rows.load.data());
+        }
+        for (; left < block.left; ++left) leave<friction>(rows.load[left & mask], particles, left);
     }
 }
 
-inline void run(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
+inline void forces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    Place* place = rows.place.data();
-    Motion* motion = rows.motion.data();
-    Load* load = rows.load.data();
-    for (int i = 0; i < particles.all; ++i)
-    {
-        const double *x = particles.x[i], *v = particles.v[i], *w = particles.omega[i];
-        const double r = particles.radius[i];
-        place[i].center = Row{x[0], x[1], x[2], r};
-        motion[i].velocity = Row{v[0], v[1], v[2], 1.0 / particles.mass[i]};
-        if (step.friction) motion[i].spin = Row{w[0], w[1], w[2], r};
-    }
-    place[particles.all].center = Row{1e100, 0.0, 0.0, 0.0};
-
     if (step.friction)
-        addLoads<true>(pairs, step, rows);
+        run<true>(particles, pairs, step, rows);
     else
-        addLoads<false>(pairs, step, rows);
-
-    for (int i = 0; i < particles.local; ++i)
-    {
-        for (int a = 0; a < 3; ++a) particles.force[i][a] += load[i].force[a];
-        if (step.friction)
-            for (int a = 0; a < 3; ++a) particles.torque[i][a] += load[i].torque[a];
-        load[i] = Load{};
-    }
-    std::fill(load + particles.local, load + particles.all, Load{});
+        run<false>(particles, pairs, step, rows);
 }
 
 // all of the above, compiled for each of the two
 __attribute__((target("arch=x86-64-v3"), flatten)) void runAvx2(const ContactParticles& particles, ContactPairs& pairs,
                                                                 const ContactStep& step, ContactRows& rows)
 {
-    run(particles, pairs, step, rows);
+    forces(particles, pairs, step, rows);
 }
 
 __attribute__((target("arch=x86-64-v4"), flatten)) void
 runAvx512(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    run(particles, pairs, step, rows);
+    forces(particles, pairs, step, rows);
 }
 
 } // namespace
@@ -217,12 +229,35 @@ bool canVectorise()
     return __builtin_cpu_supports("x86-64-v3");
 }
 
+void arrange(ContactPairs& pairs, int local)
+{
+    const int count = int(pairs.i.size());
+    bool ordered = true; // as LIGGGHTS lists them
+    for (int p = 0; p < count; ++p)
+        ordered =
+            ordered && (p == 0 || pairs.i[p - 1] <= pairs.i[p]) && (pairs.j[p] >= local || pairs.j[p] > pairs.i[p]);
+    const int length = ordered ? blockPairs : count;
+    pairs.blocks.clear();
+    pairs.ring = 1;
+    int entered = 0, left = 0;
+    for (int first = 0; first < count; first += length)
+    {
+        const int end = std::min(first + length, count);
+        for (int p = first; p < end; ++p)
+            entered = std::max({entered, pairs.i[p] + 1, pairs.j[p] < local ? pairs.j[p] + 1 : 0});
+        while (pairs.ring < entered - left) pairs.ring *= 2;
+        left = end < count ? std::min(pairs.i[end], entered) : entered;
+        pairs.blocks.push_back({end, entered, left});
+    }
+    for (int& j : pairs.j) j = j < local ? j & (pairs.ring - 1) : pairs.ring + j - local;
+}
+
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    const std::size_t count = std::size_t(particles.all) + 1;
+    const std::size_t count = std::size_t(pairs.ring + particles.all - particles.local) + 1;
     rows.place.resize(count);
     rows.motion.resize(count);
-    rows.load.resize(count, Load{});
+    rows.load.resize(count);
     if (__builtin_cpu_supports("x86-64-v4"))
         runAvx512(particles, pairs, step, rows);
     else

@@ -25,14 +25,25 @@ enum Contact : unsigned char
     UNSETTLED = 2 ///< as left by a rebuild of the neighbour list: part of the flags set
 };
 
+/// Pairs that are looked through in one go
+struct PairBlock
+{
+    int end;     ///< the pair behind its last one
+    int entered; ///< the local particle behind all that its pairs, and those before, are of
+    int left;    ///< the local particle before which all are done with after it
+};
+
 /// The pairs of LIGGGHTS' neighbour list one after the other, from one rebuild to the next. A multiple of four: filled
 /// up with pairs of the particle behind the last one.
 struct ContactPairs
 {
-    std::vector<int> i, j;
+    std::vector<int> i;
+    std::vector<int> j;                 ///< its row, from arrange() on
     std::vector<unsigned char> contact; ///< a Contact
     std::vector<unsigned short> types;  ///< which constants
     std::vector<int> start;             ///< of each particle i: its first pair
+    std::vector<PairBlock> blocks;
+    int ring = 1; ///< rows of local particles, a power of two; those of ghosts follow
 };
 
 /// LIGGGHTS' particles: local ones first, then ghosts
@@ -62,7 +73,10 @@ struct ContactStep
     int offset;   ///< of the spring among them
 };
 
-/// The particles as the kernel wants them, a row of four numbers at a time. Kept between steps for its memory only.
+/// The particles as the kernel wants them, a row of four numbers at a time. LIGGGHTS sorts particles by their places
+/// and lists a pair with the earlier one, so a pass over the pairs needs only the rows of particles that are a layer or
+/// two apart: local ones take turns in a ring of rows, which stays in the cache. Kept between steps for its memory
+/// only.
 struct ContactRows
 {
     struct Place
@@ -79,9 +93,9 @@ struct ContactRows
         alignas(64) Row force; ///< the fourth entries mean nothing
         Row torque;
     };
-    std::vector<Place> place; ///< behind the last particle: one that is nowhere
+    std::vector<Place> place; ///< behind the last one: a particle that is nowhere
     std::vector<Motion> motion;
-    std::vector<Load> load; ///< zero between steps
+    std::vector<Load> load;
 };
 
 /// A particle that touches a wall at rest
@@ -100,6 +114,9 @@ bool canVectorise();
 /// @param constants  of each type of WallContact
 void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
                 const ContactConstants* constants, double timestep);
+
+/// Blocks and rows of pairs whose j are particles yet.
+void arrange(ContactPairs& pairs, int local);
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows);
 

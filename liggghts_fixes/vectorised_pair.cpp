@@ -96,8 +96,8 @@ void VectorisedPair::takeList(PairGran& pair)
     for (int n = 0; n < list.inum; ++n) count += list.numneigh[list.ilist[n]];
     const std::size_t filled = (count + 3) / 4 * 4;
     pairs_.start.resize(all + 1);
-    pairs_.i.assign(filled, all); // the particle behind the last one is nowhere
-    pairs_.j.assign(filled, all);
+    pairs_.i.assign(filled, list.inum > 0 ? list.ilist[list.inum - 1] : 0);
+    pairs_.j.assign(filled, all); // the particle behind the last one is nowhere
     pairs_.contact.assign(filled, OPEN);
     pairs_.types.assign(filled, 0);
     int p = 0;
@@ -117,6 +117,7 @@ void VectorisedPair::takeList(PairGran& pair)
             pairs_.types[p] = (unsigned short)((type[i] - 1) * types + type[j] - 1);
         }
     }
+    arrange(pairs_, lmp_.atom->nlocal);
     stale_ = false;
 }
 

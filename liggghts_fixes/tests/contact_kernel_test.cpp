@@ -1,0 +1,152 @@
+#include "contact_kernel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+using namespace hotbed;
+
+namespace
+{
+
+constexpr int across = 5, high = 1600, number = across * across * high, ghosts = 3;
+constexpr double diameter = 1e-3, spacing = 0.98e-3;
+
+/// A column of particles that overlap a little, sorted from bottom to top; three ghosts touch the lowest ones.
+struct Column
+{
+    std::vector<double> x, v, omega, force, torque, radius, mass, springs;
+    std::vector<int> flags;
+    std::vector<double*> history;
+    std::vector<int*> flag;
+    ContactPairs pairs;
+
+    Column()
+    {
+        std::mt19937 random(1);
+        std::normal_distribution<double> some;
+        for (int n = 0; n < number + ghosts; ++n)
+        {
+            const int i = n % across, j = n / across % across, k = n < number ? n / across / across : -1;
+            for (const int a : {i, j, k}) x.push_back(spacing * a + 0.01 * diameter * some(random));
+            for (int a = 0; a < 3; ++a) v.push_back(0.1 * some(random));
+            for (int a = 0; a < 3; ++a) omega.push_back(100.0 * some(random));
+            radius.push_back(0.5 * diameter);
+            mass.push_back(5e-7);
+        }
+        force.assign(3 * number, 0.0);
+        torque.assign(3 * number, 0.0);
+    }
+
+    double distance(int i, int j) const
+    {
+        return std::hypot(x[3 * i] - x[3 * j], x[3 * i + 1] - x[3 * j + 1], x[3 * i + 2] - x[3 * j + 2]);
+    }
+
+    /// @param order  of the particles whose pairs are listed; each pair is listed with the earlier particle
+    void list(const std::vector<int>& order)
+    {
+        pairs.start.resize(number);
+        for (const int i : order)
+        {
+            pairs.start[i] = int(pairs.i.size());
+            const auto add = [&](int j)
+            {
+                if (distance(i, j) > 1.1 * diameter) return;
+                pairs.i.push_back(i);
+                pairs.j.push_back(j);
+            };
+            for (int j = i + 1; j < std::min(number, i + 2 * across * across); ++j) add(j);
+            for (int j = number; j < number + ghosts; ++j) add(j);
+        }
+        while (pairs.i.size() % 4 != 0)
+        {
+            pairs.i.push_back(pairs.i.back());
+            pairs.j.push_back(number + ghosts);
+        }
+        pairs.contact.assign(pairs.i.size(), OPEN);
+        pairs.types.assign(pairs.i.size(), 0);
+        springs.assign(3 * pairs.i.size(), 0.0);
+        flags.assign(pairs.i.size(), 0);
+        for (int i = 0; i < number; ++i)
+        {
+            history.push_back(&springs[3 * std::size_t(pairs.start[i])]);
+            flag.push_back(&flags[std::size_t(pairs.start[i])]);
+        }
+        arrange(pairs, number);
+    }
+
+    /// Forces of some steps at the same places: the springs grow.
+    void steps()
+    {
+        const ContactConstants constants = {{500.0, 1e-3, 0.0, 0.1}, {150.0, 1e-3, 0.0, 1.0 / 150.0}};
+        const ContactStep step = {&constants, true, true, 1e-5, 1.01 * 1.01, flag.data(), history.data(), 3, 3, 0};
+        const auto rows = [](std::vector<double>& values) { return reinterpret_cast<double(*)[3]>(values.data()); };
+        const ContactParticles particles = {number,        number + ghosts, rows(x),     rows(v),     rows(omega),
+                                            radius.data(), mass.data(),     rows(force), rows(torque)};
+        ContactRows memory;
+        for (int n = 0; n < 3; ++n) contactForces(particles, pairs, step, memory);
+    }
+};
+
+/// Largest difference over the largest value
+double apart(const std::vector<double>& a, const std::vector<double>& b)
+{
+    double difference = 0.0, largest = 0.0;
+    for (std::size_t k = 0; k < a.size(); ++k)
+    {
+        difference = std::max(difference, std::abs(a[k] - b[k]));
+        largest = std::max(largest, std::abs(b[k]));
+    }
+    return difference / largest;
+}
+
+} // namespace
+
+TEST(ContactKernel, rowsTakeTurnsAndForcesAreThoseOfAllRowsAtOnce)
+{
+    if (!canVectorise()) GTEST_SKIP() << "this processor has no AVX2";
+    std::vector<int> order(number);
+    std::iota(order.begin(), order.end(), 0);
+    Column sorted, any;
+    sorted.list(order);
+    EXPECT_GT(sorted.pairs.blocks.size(), 10u);
+    EXPECT_LT(sorted.pairs.ring, number / 10) << "rows of a few layers";
+    std::shuffle(order.begin(), order.end(), std::mt19937(2));
+    any.list(order);
+    EXPECT_EQ(any.pairs.blocks.size(), 1u);
+    EXPECT_GE(any.pairs.ring, number);
+
+    sorted.steps();
+    any.steps();
+    EXPECT_GT(std::count(sorted.flags.begin(), sorted.flags.end(), 3), 2 * number) << "contacts";
+    EXPECT_LT(apart(sorted.force, any.force), 1e-13);
+    EXPECT_LT(apart(sorted.torque, any.torque), 1e-13);
+    for (int i = 0; i + 1 < number; ++i)
+        for (int k = 0; k < 3 * (sorted.pairs.start[i + 1] - sorted.pairs.start[i]); ++k)
+            ASSERT_EQ(sorted.history[i][k], any.history[i][k]);
+}
+
+TEST(ContactKernel, forcesOfTwoParticlesCancel)
+{
+    if (!canVectorise()) GTEST_SKIP() << "this processor has no AVX2";
+    std::vector<int> order(number);
+    std::iota(order.begin(), order.end(), 0);
+    Column column;
+    for (int k = 0; k < ghosts; ++k) column.x[3 * std::size_t(number + k)] = 1.0; // out of reach
+    column.list(order);
+    column.steps();
+    for (int a = 0; a < 3; ++a)
+    {
+        double sum = 0.0, largest = 0.0;
+        for (int i = 0; i < number; ++i)
+        {
+            sum += column.force[3 * std::size_t(i) + a];
+            largest = std::max(largest, std::abs(column.force[3 * std::size_t(i) + a]));
+        }
+        EXPECT_LT(std::abs(sum), 1e-11 * largest * std::sqrt(number));
+    }
+}
