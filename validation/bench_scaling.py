@@ -1,7 +1,8 @@
 """How the cost grows with particles and ranks. `./hotbed bench scaling [--quick]`; the figures of two ranks need two free
 cores.
 
-Contacts: beds of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank. Coupled: the paper's bed, `l = 1.5`,
+Contacts: beds of the paper's shape of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank; the largest also twice at the same time,
+which tells what two ranks can gain on a machine that shares its memory. Coupled: the paper's bed, `l = 1.5`,
 gas steps of 40 DEM steps on one and two ranks in turn, from what a coupled run left at 0.05 s (made once and kept in
 results/fluidized_bed/bench), the first steps left out; from its lattice start bytes that a rank sends for the exchange on 2, 4
 and 8 ranks, and memory at `l = 1`. --quick leaves out the largest beds and takes `l = 2.5` at 0.02 s for the ranks.
@@ -10,6 +11,7 @@ and 8 ranks, and memory at `l = 1`. --quick leaves out the largest beds and take
 import argparse
 import re
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -24,14 +26,18 @@ from run import prepare, run_case
 STEP = 1e-4
 
 
-def a_particle_step(folder, number):
-    """Nanoseconds of one step of one particle in a bed 9 particles deep that has settled."""
-    across = int(round((number / 9) ** 0.5))
-    folder = folder / f"{number}"
-    bed, _ = contact_scenes.settled(folder, (across, -(-number // (9 * across))), number, steps=2000)
+def a_particle_step(folder, number, copies=1):
+    """Nanoseconds of one step of one particle in a bed of the paper's shape that has settled, of the slowest of some copies that run
+    at the same time."""
+    layer = [round(n * (number / 720000)**(1 / 3)) for n in (80, 50)]
+    height = 1.2 * number / np.prod(layer) * 2.5 * contact_scenes.DIAMETER
+    folder = folder / f"bed,{number}"
+    bed, _ = contact_scenes.settled(folder, layer, number, height, steps=2000)
     steps = max(20, int(1.5e7 / number))
     text = contact_scenes.script(contact_scenes.ours, bed, [50, steps])
-    times = [contact_scenes.liggghts(folder, "settled", text, 1)[0][-1] for _ in range(3)]
+    with ThreadPoolExecutor(copies) as pool:
+        times = [max(pool.map(lambda copy: contact_scenes.liggghts(folder, f"settled.{copy}", text, 1)[0][-1], range(copies)))
+                 for _ in range(3)]
     return np.median(times) / steps / number * 1e9
 
 
@@ -62,6 +68,9 @@ def main():
     for n, nanoseconds in cost.items():
         figures.note(f"{n} particles: a particle-step [ns]", nanoseconds)
     figures.add("a particle-step, largest over smallest of all sizes", max(cost.values()) / min(cost.values()), 1.25)
+
+    figures.note(f"{numbers[-1]} particles: a particle-step of each of two copies at once, over that of one alone",
+                 a_particle_step(folder, numbers[-1], 2) / cost[numbers[-1]])
 
     l, begin, repeats = ("2.5", 0.02, 3) if options.quick else ("1.5", 0.05, 5)
     source = paper_bed.start(l, begin)
