@@ -114,3 +114,11 @@ def spread(groups):
 def bar(deviation, freedom, *repeats):
     """Half-width of the 95 % confidence interval of a mean of so many repeats, or of the difference of two such means."""
     return student.ppf(0.975, freedom) * deviation * np.sqrt(sum(1 / n for n in repeats))
+
+
+def bar_of_difference(a, b):
+    """Half-width of the 95 % confidence interval of the difference of the means of two sets of runs that scatter each in their own
+    way (Welch)."""
+    share = np.array([np.var(v, ddof=1) / len(v) for v in (a, b)])
+    freedom = share.sum()**2 / (share**2 / (np.array([len(a), len(b)]) - 1)).sum()
+    return student.ppf(0.975, freedom) * np.sqrt(share.sum())

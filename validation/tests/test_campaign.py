@@ -6,6 +6,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import ttest_ind
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "validation"), str(ROOT / "cfd_solver")]
@@ -50,6 +51,13 @@ class Campaign(unittest.TestCase):
         self.assertEqual(freedom, 3)
         self.assertAlmostEqual(deviation, (8 / 3)**0.5)
         self.assertAlmostEqual(campaign.bar(1.0, 3, 4), 3.182446 / 2, places=5)  # tables of the distribution
+
+    def test_bar_of_a_difference_is_that_of_welchs_test(self):
+        a, b = np.array([27.5, 21.0, 19.0, 23.6, 17.0, 17.9]), np.array([27.1, 22.0, 20.8, 23.4])
+        bar = campaign.bar_of_difference(a, b)
+        # where the difference is as large as its bar, the test's probability is 5 %
+        shifted = a - a.mean() + b.mean() + bar
+        self.assertAlmostEqual(ttest_ind(shifted, b, equal_var=False).pvalue, 0.05, places=10)
 
 
 if __name__ == "__main__":
