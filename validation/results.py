@@ -46,15 +46,17 @@ def layer_means(heights, values, edges):
 
 def bed(run):
     """bed.csv of a run as a structured array; where the run was stopped and went on, one piece after the other, with the columns
-    that all of them have. A line that a killed run left unfinished is dropped."""
+    that all of them have. A line that a killed run left unfinished is dropped. Raises ValueError where there is none."""
     paths = sorted(Path(run).glob("postProcessing/hotbed/*/bed.csv"), key=lambda p: float(p.parent.name))
     pieces = []
     for path in paths:
-        lines = path.read_text().splitlines(keepends=True)
-        whole = [line for line in lines if line.endswith("\n")]
-        pieces.append(np.atleast_1d(np.genfromtxt(whole, delimiter=",", names=True)))
-    for n, later in enumerate(paths[1:]):
-        pieces[n] = pieces[n][pieces[n]["time_s"] < float(later.parent.name) * (1 + 1e-9)]
+        whole = [line for line in path.read_text().splitlines(keepends=True) if line.endswith("\n")]
+        if whole:
+            pieces.append((float(path.parent.name), np.atleast_1d(np.genfromtxt(whole, delimiter=",", names=True))))
+    if not pieces:
+        raise ValueError(f"{run} has no line in postProcessing/hotbed/*/bed.csv")
+    ends = [start for start, _ in pieces[1:]] + [np.inf]
+    pieces = [piece[piece["time_s"] < end * (1 + 1e-9)] for (_, piece), end in zip(pieces, ends)]
     columns = [name for name in pieces[0].dtype.names if all(name in piece.dtype.names for piece in pieces)]
     return np.concatenate([repack_fields(piece[columns]) for piece in pieces])
 

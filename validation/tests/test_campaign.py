@@ -38,7 +38,9 @@ class Campaign(unittest.TestCase):
 
     def test_pieces_of_two_versions_go_together_with_the_columns_of_both(self):
         with tempfile.TemporaryDirectory() as place:
-            for start, text in (("0", "time_s,a,b\n1,10,100\n2,20,200\n3,30,300\n"), ("2", "time_s,new,b\n3,0,301\n4,0,400\n5,0")):
+            with self.assertRaises(ValueError):
+                results.bed(place)
+            for start, text in (("0", "time_s,a,b\n1,10,100\n2,20,200\n3,30,300\n"), ("2", "time_s,new,b\n3,0,301\n4,0,400\n5,0"), ("4", "time_")):
                 folder = Path(place) / "postProcessing/hotbed" / start
                 folder.mkdir(parents=True)
                 (folder / "bed.csv").write_text(text)
