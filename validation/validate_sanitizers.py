@@ -85,7 +85,7 @@ def coupled(folder, name, example, settings, ranks):
 def main():
     parser = argparse.ArgumentParser(prog="hotbed validate sanitizers", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="one test of the styles")
+    parser.add_argument("--quick", action="store_true", help="fewer tests of the styles")
     options = parser.parse_args()
     build = sanitized.build()
     figures = results.Figures("sanitizers")
@@ -97,7 +97,7 @@ def main():
 
         reports = fresh(folder / "reports")
         for name, pattern in (("unit tests of coupling", r"^coupling\."),
-                              ("styles under liggghts", r"^liggghts_fixes\." + ("plugin" if options.quick else ""))):
+                              ("styles under liggghts", r"^liggghts_fixes\." + ("(plugin|Contact)" if options.quick else ""))):
             number, failed = tests(build, pattern, sanitized.environment(reports))
             figures.add(f"{name}: failed, of {number} tests", len(failed) + (number == 0), 0, " ".join(failed))
         os.environ.update(sanitized.environment(reports, leaks=True))
