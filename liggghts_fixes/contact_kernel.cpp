@@ -159,13 +159,13 @@ template <bool friction> inline void scatter(const Batch& batch, Load* load)
 }
 
 /// Puts a particle into its row.
-inline void enter(ContactRows& rows, int row, const ContactParticles& particles, int i)
+template <bool friction> inline void enter(ContactRows& rows, int row, const ContactParticles& particles, int i)
 {
     const double *x = particles.x[i], *v = particles.v[i], *w = particles.omega[i];
     const double r = particles.radius[i];
     rows.place[row].center = Row{x[0], x[1], x[2], r};
     rows.motion[row].velocity = Row{v[0], v[1], v[2], 1.0 / particles.mass[i]};
-    rows.motion[row].spin = Row{w[0], w[1], w[2], r};
+    if (friction) rows.motion[row].spin = Row{w[0], w[1], w[2], r};
     rows.load[row] = Load{};
 }
 
@@ -180,7 +180,8 @@ template <bool friction> inline void leave(const Load& load, const ContactPartic
 template <bool friction>
 inline void run(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    for (int i = particles.local; i < particles.all; ++i) enter(rows, pairs.ring + i - particles.local, particles, i);
+    for (int i = particles.local; i < particles.all; ++i)
+        enter<friction>(rows, pairs.ring + i - particles.local, particles, i);
     rows.place[pairs.ring + particles.all - particles.local].center = Row{1e100, 0.0, 0.0, 0.0};
 
     Batch batch;
@@ -189,7 +190,7 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
     int p = 0, entered = 0, left = 0;
     for (const PairBlock& block : pairs.blocks)
     {
-        for (; entered < block.entered; ++entered) enter(rows, entered & mask, particles, entered);
+        for (; entered < block.entered; ++entered) enter<friction>(rows, entered & mask, particles, entered);
         while (p < block.end)
         {
             p = find<friction>(batch, pairs, step, rows, p, block.end);
