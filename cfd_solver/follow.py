@@ -28,6 +28,12 @@ def ending(path):
         return file.read().decode(errors="replace")
 
 
+def stopped(log):
+    """(signal, time [s], what was written: restart or fields) as texts where a signal ended the run, else None."""
+    found = re.search(r"(?m)^Stopped by signal (\d+) at (\S+) s, (restart|fields) written", ending(log))
+    return found and found.groups()
+
+
 def by_time(paths):
     """The paths whose folder is named after a time, in its order; others, such as copies of the user's, are left out."""
     timed = [path for path in paths if re.fullmatch(NUMBER, path.parent.name)]
@@ -101,11 +107,12 @@ def stop(process, run, number, log="log.hotbedFoam"):
         for pid in [*map(int, children), process.pid]:
             os.kill(pid, signal.SIGKILL)
         process.wait()
-    found = re.findall(r"(?m)^Stopped by signal \d+ at (\S+) s, (restart|fields) written", ending(Path(run) / log))
+    found = stopped(Path(run) / log)
     words = [word for word in sys.argv[1:] if word not in ("--overwrite", "--restart")]
     again = f"go on with: {COMMAND} run {' '.join(words)} --restart"
     if found:
-        print(f"stopped at {found[-1][0]} s, {found[-1][1]} written" + (f"; {again}" if found[-1][1] == "restart" else ""))
+        _, time, written = found
+        print(f"stopped at {time} s, {written} written" + (f"; {again}" if written == "restart" else ""))
     elif any(Path(run).glob("restart/*/state")):
         print(f"stopped without a new restart; {again} (from the last one)")
     else:

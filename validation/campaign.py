@@ -11,6 +11,7 @@ from scipy.stats import t as student
 
 import results
 import run as hotbed
+from follow import stopped
 
 
 def edit(path, pattern, replacement):
@@ -35,8 +36,7 @@ def reached(folder):
 def ended(folder):
     """Whether a folder holds a run that came to its end: the table that closes the log is there, and no signal before it."""
     log = Path(folder) / "log.hotbedFoam"
-    text = hotbed.ending(log) if log.is_file() else ""
-    return "\n    whole run" in text and "\nStopped by signal" not in text
+    return log.is_file() and "\n    whole run" in hotbed.ending(log) and not stopped(log)
 
 
 def done(folder, settings):

@@ -13,7 +13,7 @@ import numpy as np
 import paraview
 import results
 from check import entry, refusal
-from follow import COMMAND, ending
+from follow import COMMAND, ending, stopped
 from run import CaseError, read_settings
 
 FROM = 0.4  # means in time leave out this share of the run, as those of the error against run time do
@@ -79,8 +79,8 @@ def state(run, head, end, reached):
              else " It holds no restart to go on from.")
     if "FATAL" in text:
         return "failed", f"Failed at {last}: {refusal(text).rstrip('.')}." + again
-    if stopped := re.search(r"(?m)^Stopped by signal (\d+) at (\S+) s", text):
-        return "stopped", f"Stopped by signal {stopped[1]} at {last}." + again
+    if found := stopped(run / "log.hotbedFoam"):
+        return "stopped", f"Stopped by signal {found[0]} at {last}." + again
     if "\nEnd\n" in text:
         if reached > end * (1 - 1e-6):
             return "finished", f"Finished: {reached:.6g} s simulated."

@@ -40,7 +40,8 @@ class Campaign(unittest.TestCase):
         with tempfile.TemporaryDirectory() as place:
             with self.assertRaises(ValueError):
                 results.bed(place)
-            for start, text in (("0", "time_s,a,b\n1,10,100\n2,20,200\n3,30,300\n"), ("2", "time_s,new,b\n3,0,301\n4,0,400\n5,0"), ("4", "time_")):
+            for start, text in (("0", "time_s,a,b\n1,10,100\n2,20,200\n3,30,300\n"),
+                                ("2", "time_s,new,b\n3,0,301\n4,0,400\n5,0"), ("4", "time_")):
                 folder = Path(place) / "postProcessing/hotbed" / start
                 folder.mkdir(parents=True)
                 (folder / "bed.csv").write_text(text)
