@@ -118,8 +118,9 @@ def main():
     name = "paper" if slim else "paper_" + options.bed
     stem = Path("results") / (name + ("-quick" if options.quick else ""))  # of the tables
 
-    plan = [(l, u0, nudge) for l, u0 in itertools.product(ratios, velocities)
-            for nudge in (NUDGES if l == ratios[0] else NUDGES[:2 if l == "2" and slim else 1])]
+    repeats = {ratios[0]: 3, "2": 2 if slim else 1}
+    plan = [(l, u0, nudge) for repeat, nudge in enumerate(NUDGES) for l, u0 in itertools.product(ratios, velocities)
+            if repeat < repeats.get(l, 1)]
     settings = [{"l": l, "u0": f"{float(u0) * nudge:.9g}", "endTime": f"{end:g}", "writeInterval": "0.1"} for l, u0, nudge in plan]
     if options.figures is None:
         shutil.copytree(ROOT / "examples" / options.bed, case, dirs_exist_ok=True)
