@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <iomanip>
 #include <numeric>
+#include <vector>
 
 using namespace Foam;
 
@@ -82,9 +83,10 @@ void Bed::resume(const dictionary& state)
 
 double Bed::particleEnergy() const
 {
-    double sum = 0;
-    const double* T = dem_.temperature();
-    for (int i = 0; i < dem_.size(); ++i) sum += dem_.heatCapacity(i) * T[i];
+    const int n = dem_.size();
+    std::vector<double> capacity(std::size_t(n), 0.0);
+    dem_.heatCapacity(0, n, capacity.data());
+    double sum = std::inner_product(capacity.begin(), capacity.end(), dem_.temperature(), 0.0);
     reduce(sum, sumOp<double>());
     return sum;
 }

@@ -82,6 +82,8 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
     const label up3 = mag(column.up.x()) > 0.7 ? 0 : mag(column.up.y()) > 0.7 ? 1 : 2;
     scalar kernel = 0, mass = 0, solids = 0, weight = 0, capacity = 0, heat = 0, bed = 0, surface = 0;
     const bool heated = settings.heatTransfer && dem.heat();
+    std::vector<double> capacities(std::size_t(dem.size()));
+    if (heated) dem.heatCapacity(0, dem.size(), capacities.data());
     for (int i = 0; i < dem.size(); ++i)
     {
         const double r = dem.radius()[i];
@@ -90,8 +92,8 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
         solids += sphereVolume(r);
         surface += 4 * M_PI * r * r;
         if (!heated) continue;
-        capacity += dem.heatCapacity(i);
-        heat += dem.heatCapacity(i) * dem.temperature()[i];
+        capacity += capacities[std::size_t(i)];
+        heat += capacities[std::size_t(i)] * dem.temperature()[i];
     }
     mass = sum(mass), solids = sum(solids), surface = sum(surface), capacity = sum(capacity), heat = sum(heat);
     forAll(mesh.V(), c)

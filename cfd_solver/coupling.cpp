@@ -149,7 +149,8 @@ void Coupling::particlesToGas()
     const scalarField& voidage = gas_.voidage();
     const vectorField& U = gas_.U();
     const fluidThermo& thermo = gas_.thermo();
-    const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), kappa = thermo.kappa(), Cp = thermo.Cp();
+    const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), Cp = thermo.Cp();
+    const scalarField& alpha = thermo.alpha(); // kappa/Cp
     cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
     for (label c = 0; c < mesh_.nCells(); ++c)
     {
@@ -158,7 +159,7 @@ void Coupling::particlesToGas()
         for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
         f[4] = rho()[c];
         f[5] = mu()[c];
-        f[6] = kappa()[c];
+        f[6] = alpha[c] * Cp()[c];
         f[7] = Cp()[c];
     }
     if (heat_)
@@ -179,6 +180,7 @@ void Coupling::particlesToGas()
     }
     given_.resize(std::size_t(dem_.size()) * givenFields_);
     cellSums_.assign(std::size_t(mesh_.nCells()) * sumFields_, 0.0);
+    const NoTraps guard;
     mapping_.answer(
         gasFields, cellValues_.data(),
         [this](int first, int count, const double* gas)
@@ -215,8 +217,8 @@ void Coupling::fill(int first, int count, const double* given, double* sums) con
 HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* gas)
 {
     constexpr int block = Mapping::block;
-    alignas(64) double voidage[block], reynolds[block], prandtl[block], beta[block] = {}, nusselt[block], B[block],
-                                                                        conductance[block];
+    alignas(64) double voidage[block], viscosity[block], conductivity[block], reynolds[block], prandtl[block],
+        beta[block] = {}, nusselt[block], B[block], conductance[block], here[block];
     const double l = dem_.ratio();
     const double* radius = dem_.radius() + first;
     const double(*v)[3] = dem_.velocity() + first;
@@ -225,26 +227,31 @@ HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* ga
     for (int k = 0; k < count; ++k)
     {
         const double* g = gas + k * gasFields;
-        const double one = inside[k] ? 0.0 : 1.0; // has left the mesh: any numbers, it exchanges nothing
         const double slip[3] = {g[1] - v[k][0], g[2] - v[k][1], g[3] - v[k][2]};
-        const double speed = std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
-        voidage[k] = g[0] + one;
-        reynolds[k] = g[0] * g[4] * speed * (original * radius[k]) / (g[5] + one);
-        prandtl[k] = (g[5] * g[7] + one) / (g[6] + one);
+        here[k] = inside[k] ? 1.0 : 0.0; // else it has left the mesh: any numbers, it exchanges nothing
+        voidage[k] = g[0];
+        viscosity[k] = g[5];
+        conductivity[k] = g[6];
+        reynolds[k] = g[0] * g[4] * std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
+        prandtl[k] = g[5] * g[7];
+    }
+    for (int k = 0; k < count; ++k)
+    {
+        const double one = 1.0 - here[k];
+        voidage[k] += one;
+        reynolds[k] *= original * radius[k] / (viscosity[k] + one);
+        prandtl[k] = (prandtl[k] + one) / (conductivity[k] + one);
     }
     if (settings_.drag) settings_.drag(count, voidage, reynolds, beta);
     for (int k = 0; k < count; ++k)
-    {
-        const double share = inside[k] ? 1.0 : 0.0;
-        B[k] = share * dragCoefficient(beta[k], gas[k * gasFields + 5], voidage[k], original * radius[k], l);
-    }
+        B[k] = here[k] * dragCoefficient(beta[k], viscosity[k], voidage[k], original * radius[k], l);
     dragOn(first, count, gas, B);
     if (!heat_) return;
     settings_.heatTransfer(count, voidage, reynolds, prandtl, nusselt);
     for (int k = 0; k < count; ++k)
     {
-        nusselt[k] *= inside[k] ? 1.0 : 0.0;
-        conductance[k] = heatConductance(nusselt[k], gas[k * gasFields + 6], original * radius[k], l);
+        nusselt[k] *= here[k];
+        conductance[k] = heatConductance(nusselt[k], conductivity[k], original * radius[k], l);
     }
     std::copy_n(nusselt, count, dem_.nusselt() + first);
     heatOn(first, count, conductance);

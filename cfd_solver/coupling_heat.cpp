@@ -16,11 +16,8 @@ HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const double* cond
     alignas(64) double mc[Mapping::block], b[Mapping::block], gain[Mapping::block], early[Mapping::block] = {};
     const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt, reference = gas_.exchange().reference;
     const double* T = dem_.temperature() + first;
-    for (int k = 0; k < count; ++k)
-    {
-        mc[k] = dem_.heatCapacity(first + k);
-        b[k] = gain[k] = conductance[k] * dt / mc[k];
-    }
+    dem_.heatCapacity(first, count, mc);
+    for (int k = 0; k < count; ++k) b[k] = gain[k] = conductance[k] * dt / mc[k];
     if (settings_.linearExchange) relaxation(count, b, gain, early);
     double* given = &given_[std::size_t(first) * givenFields_ + std::size_t(heatAt_)];
     for (int k = 0; k < count; ++k, given += givenFields_)
@@ -57,12 +54,21 @@ void Coupling::heatInCells()
     // The gas temperature at the particle rather than at its cells: a linear profile about the exchange-weighted
     // centre of the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the
     // range of the gas. Without it the kernel spreads heat fronts like a conduction that grows with l.
-    vectorField gradient(mesh_.nCells(), Zero);
-    if (settings_.temperatureGradient)
+    const tmp<volVectorField> slope = settings_.temperatureGradient ? fvc::grad(gas_.T()) : nullptr;
+    vectorField none(slope ? 0 : mesh_.nCells(), Zero);
+    vectorField& gradient = slope ? slope.ref().primitiveFieldRef() : none;
+    if (slope)
     {
-        gradient = fvc::grad(gas_.T())().primitiveField();
-        const scalar lowest = min(min(gMin(T), gMin(temperatureBefore_)), gMin(gas_.T()));
-        const scalar highest = max(max(gMax(T), gMax(temperatureBefore_)), gMax(gas_.T()));
+        scalar lowest = GREAT, highest = 0.0;
+        const scalarField* fields[] = {&T, &temperatureBefore_, &gas_.T().primitiveField()};
+        for (const scalarField* field : fields)
+            for (const scalar value : *field)
+            {
+                lowest = min(lowest, value);
+                highest = max(highest, value);
+            }
+        reduce(lowest, minOp<scalar>());
+        reduce(highest, maxOp<scalar>());
         for (label c = 0; c < mesh_.nCells(); ++c)
         {
             const double* sum = &cellSums_[std::size_t(c) * sumFields_ + std::size_t(heatAt_)];

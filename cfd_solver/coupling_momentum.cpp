@@ -43,7 +43,8 @@ HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const double* gas,
     for (int k = 0; k < count; ++k) held[k] = B[k] > 0.0 ? 1.0 - gain[k] / (B[k] > 0.0 ? b[k] : 1.0) : 0.0;
 
     const double(*v)[3] = dem_.velocity() + first;
-    double **lasts = dem_.lastGasStep() + first, **gasForce = dem_.gasForce() + first;
+    const double(*lasts)[7] = dem_.lastGasStep() + first;
+    double** gasForce = dem_.gasForce() + first;
     const double(*force)[3] = dem_.force() + first;
     for (int k = 0; k < count; ++k, given += givenFields_)
     {
@@ -97,7 +98,7 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
     const double dt = mesh_.time().deltaTValue();
     const double* radius = dem_.radius();
     const double(*v)[3] = dem_.velocity();
-    double** lasts = dem_.lastGasStep();
+    double(*lasts)[7] = dem_.lastGasStep();
     vector received(Zero), dragReceived(Zero);
     double exchanged = 0.0, forces[Mapping::block][3];
     for (int i = first; i < first + count; ++i, read += readFields_)

@@ -11,18 +11,22 @@ namespace hotbed
 namespace
 {
 
-constexpr int block = 64; // particles at a time, several in a register, all in the first cache
+constexpr int group = BoxWeights::group, lanes = BoxWeights::lanes;
 
-/// One axis of a block of particles.
-struct AxisBlock
+/// values of `lanes` particles, in registers
+using Lanes = double __attribute__((vector_size(lanes * sizeof(double)), may_alias));
+using Counts = int __attribute__((vector_size(lanes * sizeof(int)), may_alias));
+
+/// A group of particles along one axis.
+struct AxisGroup
 {
-    alignas(64) double x[block], halfWidth[block];
-    int first[block], count[block]; ///< lattice intervals that are reached
-    double total[block];            ///< kernel mass in them
-    std::vector<double> mass;       ///< [intervals][block]
+    alignas(64) double x[group];
+    alignas(64) int first[group], count[group]; ///< lattice intervals that are reached
+    alignas(64) double total[group];            ///< kernel mass in them
 };
 
-inline void reach(const BoxAxis& axis, AxisBlock& b)
+/// Sets `first` and `count`. @return the most of any particle
+inline int reach(const BoxAxis& axis, const double* halfWidth, AxisGroup& g)
 {
     const double front = axis.face.front(), back = axis.face.back(), last = double(axis.face.size()) - 2;
     const auto interval = [&](double x)
@@ -32,105 +36,113 @@ inline void reach(const BoxAxis& axis, AxisBlock& b)
         return int(i > 0 ? (i < last ? i : last) : 0);
     };
 #pragma omp simd
-    for (int i = 0; i < block; ++i)
+    for (int i = 0; i < group; ++i)
     {
-        const double low = b.x[i] - b.halfWidth[i], high = b.x[i] + b.halfWidth[i];
-        b.first[i] = interval(low);
-        b.count[i] = (high > front) & (low < back) ? interval(high) - b.first[i] + 1 : 0;
+        const double low = g.x[i] - halfWidth[i], high = g.x[i] + halfWidth[i];
+        g.first[i] = interval(low);
+        g.count[i] = (high > front) & (low < back) ? interval(high) - g.first[i] + 1 : 0;
     }
-    if (axis.uniform) return;
-    for (int i = 0; i < block; ++i)
-    {
-        b.first[i] = axis.interval(b.x[i] - b.halfWidth[i]);
-        if (b.count[i] > 0) b.count[i] = axis.interval(b.x[i] + b.halfWidth[i]) - b.first[i] + 1;
-    }
-}
-
-/// Adds masses, as differences of `below`, the kernel mass below a face.
-template <class Below> inline void addMasses(const BoxAxis& axis, AxisBlock& b, int most, Below&& below)
-{
-    const double* face = axis.face.data();
-    const int last = int(axis.face.size()) - 1;
-    double* mass = b.mass.data();
-    alignas(64) double lower[block];
-#pragma omp simd
-    for (int i = 0; i < block; ++i) lower[i] = below(i, face[b.first[i]]);
-    for (int k = 1; k <= most; ++k, mass += block)
-#pragma omp simd
-        for (int i = 0; i < block; ++i)
+    if (!axis.uniform)
+        for (int i = 0; i < group; ++i)
         {
-            const int next = b.first[i] + k;
-            const double upper = below(i, face[next < last ? next : last]);
-            mass[i] += upper - lower[i];
-            b.total[i] += upper - lower[i];
-            lower[i] = upper;
+            g.first[i] = axis.interval(g.x[i] - halfWidth[i]);
+            if (g.count[i] > 0) g.count[i] = axis.interval(g.x[i] + halfWidth[i]) - g.first[i] + 1;
         }
+    return *std::max_element(g.count, g.count + group);
 }
 
-inline int axisMasses(const BoxAxis& axis, AxisBlock& b)
+/// Faces of a lattice axis, the last one for any number beyond it.
+inline Lanes faces(const BoxAxis& axis, Counts number)
 {
-    reach(axis, b);
-    int most = 0, atLowWall = 0, atHighWall = 0;
-    alignas(64) double inverse[block];
-    for (int i = 0; i < block; ++i)
-    {
-        inverse[i] = 1.0 / b.halfWidth[i];
-        b.total[i] = 0.0;
-        most = b.count[i] > most ? b.count[i] : most;
-        atLowWall |= b.x[i] - b.halfWidth[i] < axis.wall[0];
-        atHighWall |= b.x[i] + b.halfWidth[i] > axis.wall[1];
-    }
-    b.mass.assign(std::size_t(most) * block, 0.0);
-    addMasses(axis, b, most, [&](int i, double face) { return deenMassBelow((face - b.x[i]) * inverse[i]); });
-    const auto addMirrored = [&](double wall) // reaches back into the domain
-    {
-        addMasses(axis, b, most,
-                  [&](int i, double face) { return deenMassBelow((face + b.x[i] - 2.0 * wall) * inverse[i]); });
-    };
-    if (axis.folded && atLowWall) addMirrored(axis.wall[0]);
-    if (axis.folded && atHighWall) addMirrored(axis.wall[1]);
-    return most;
+    const Counts last = Counts{} + int(axis.face.size() - 1);
+    number = number < last ? number : last;
+    if (axis.uniform) return axis.origin + axis.spacing * __builtin_convertvector(number, Lanes);
+    Lanes x;
+    for (int i = 0; i < lanes; ++i) x[i] = axis.face[std::size_t(number[i])];
+    return x;
 }
 
-HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4],
-                                 BoxWeights& weights, double (*mass)[2])
+/// Sets masses, or adds to them, as differences of `below`, the kernel mass below a face.
+/// @param mass  [most][lanes]
+/// @return their sums
+template <bool add, class Below>
+inline Lanes putMasses(const BoxAxis& axis, Counts first, int most, Lanes* mass, Below&& below)
+{
+    const Lanes begin = below(faces(axis, first));
+    Lanes lower = begin;
+    for (int k = 0; k < most; ++k)
+    {
+        const Lanes upper = below(faces(axis, first + (k + 1)));
+        mass[k] = add ? mass[k] + (upper - lower) : upper - lower;
+        lower = upper;
+    }
+    return lower - begin;
+}
+
+/// Masses along one axis.
+/// @param mass    of the first particles in the first interval
+/// @param stride  from their masses to those of the next in a register
+inline void putAllMasses(const BoxAxis& axis, const double* halfWidth, int most, AxisGroup& g, double* mass, int stride)
+{
+    for (int r = 0; r < group; r += lanes, mass += stride)
+    {
+        const Lanes x = *reinterpret_cast<const Lanes*>(g.x + r), n = *reinterpret_cast<const Lanes*>(halfWidth + r);
+        const Counts first = *reinterpret_cast<const Counts*>(g.first + r);
+        const Lanes inverse = 1.0 / n;
+        auto* to = reinterpret_cast<Lanes*>(mass);
+        Lanes total =
+            putMasses<false>(axis, first, most, to, [&](Lanes face) { return deenMassBelow((face - x) * inverse); });
+        for (int side = 0; axis.folded && side < 2; ++side)
+        {
+            const double wall = axis.wall[std::size_t(side)];
+            bool reached = false;
+            for (int i = 0; i < lanes; ++i) reached |= side ? x[i] + n[i] > wall : x[i] - n[i] < wall;
+            if (reached) // and back into the domain
+                total += putMasses<true>(axis, first, most, to,
+                                         [&](Lanes face) { return deenMassBelow((face + x - 2.0 * wall) * inverse); });
+        }
+        *reinterpret_cast<Lanes*>(g.total + r) = total;
+    }
+}
+
+HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
+                                 const double* halfWidth, BoxWeights& weights, double* mass, double* centre)
 {
     const std::size_t before = weights.particle.size();
+    if (before % group != 0) throw std::logic_error("box weights: more particles after a group that is not full");
     weights.particle.resize(before + std::size_t(count));
-    AxisBlock along[3];
-    std::size_t& end = weights.rowEnd;
-    for (int begin = 0; begin < count; begin += block)
+    AxisGroup along[3];
+    alignas(64) double n[group], within[group];
+    for (int begin = 0; begin < count; begin += group)
     {
-        const int n = std::min(block, count - begin);
-        std::size_t room = end;
+        const int some = std::min(group, count - begin);
+        for (int i = 0; i < group; ++i) // the last group is filled up with its last particle
+        {
+            const int from = begin + (i < some ? i : some - 1);
+            for (int a = 0; a < 3; ++a) along[a].x[i] = position[from][a];
+            n[i] = halfWidth[from];
+        }
         int most[3];
+        std::fill_n(within, group, 1.0);
         for (int a = 0; a < 3; ++a)
         {
-            for (int i = 0; i < block; ++i) // the last block is filled up with its last particle
-            {
-                const double* x = particles[begin + std::min(i, n - 1)];
-                along[a].x[i] = x[a];
-                along[a].halfWidth[i] = x[3];
-            }
-            most[a] = axisMasses(axis[a], along[a]);
-            room += std::size_t(most[a]) * block;
+            most[a] = reach(axis[a], n, along[a]);
+            const double front = axis[a].face.front(), back = axis[a].face.back();
+            for (int i = 0; i < group; ++i)
+                within[i] = (along[a].x[i] >= front) & (along[a].x[i] <= back) ? within[i] : 0.0;
         }
-        if (weights.row.size() < room) weights.row.resize(2 * room);
-        double* row = weights.row.data();
-        for (int i = 0; i < n; ++i)
+        const int y = most[0], z = y + most[1], end = z + most[2], begins[3] = {0, y, z};
+        double* to = weights.room({0, y, z, end});
+        for (int a = 0; a < 3; ++a) putAllMasses(axis[a], n, most[a], along[a], to + begins[a] * lanes, end * lanes);
+        BoxWeights::Particle* p = &weights.particle[before + std::size_t(begin)];
+        for (int i = 0; i < some; ++i)
         {
-            BoxWeights::Particle& p = weights.particle[before + std::size_t(begin + i)];
-            p.count = {along[0].count[i], along[1].count[i], along[2].count[i]};
-            p.slot = along[0].first[i] + along[1].first[i] * weights.nx + along[2].first[i] * weights.nxy;
-            p.row = std::int64_t(end);
-            mass[begin + i][0] = along[0].total[i] * along[1].total[i] * along[2].total[i];
-            if (p.count[0] == 0 || p.count[1] == 0 || p.count[2] == 0)
-            {
-                p.count = {0, 0, 0};
-                mass[begin + i][0] = 0.0;
-            }
-            for (int a = 0; a < 3; end += std::size_t(p.count[a++])) // the same number for all, some are overwritten
-                for (int k = 0; k < most[a]; ++k) row[end + std::size_t(k)] = along[a].mass[std::size_t(k * block + i)];
+            const int nx = along[0].count[i], ny = along[1].count[i], nz = along[2].count[i];
+            const bool reached = (nx > 0) & (ny > 0) & (nz > 0);
+            p[i].count = {reached ? nx : 0, reached ? ny : 0, reached ? nz : 0};
+            p[i].slot = along[0].first[i] + along[1].first[i] * weights.nx + along[2].first[i] * weights.nxy;
+            centre[begin + i] = within[i];
+            mass[begin + i] = reached ? along[0].total[i] * along[1].total[i] * along[2].total[i] : 0.0;
         }
     }
 }
@@ -152,30 +164,43 @@ struct SomeSlots
 
 /// visit(first slot, number of slots, their weights along x, weight of the row) for every row that a particle reaches.
 /// @tparam length  of the rows, 0 where it is only known now
-template <int length, class Visit>
-inline void forEachRowOf(const BoxWeights& weights, const BoxWeights::Particle& p, Visit&& visit)
+template <int length, class Visit> inline void forEachRowOf(const BoxWeights& weights, int particle, Visit&& visit)
 {
-    const int n = length ? length : p.count[0];
-    const double* x = weights.row.data() + p.row;
-    const double* y = x + n;
-    const double* z = y + p.count[1];
-    for (int k = 0; k < p.count[2]; ++k)
-        for (int j = 0; j < p.count[1]; ++j) visit(p.slot + j * weights.nx + k * weights.nxy, n, x, y[j] * z[k]);
+    const BoxWeights::Particle& p = weights.particle[std::size_t(particle)];
+    const BoxWeights::Rows& rows = weights.rows[std::size_t(particle) / group];
+    const double* x = weights.row.data() + rows.begin + particle % group / lanes * lanes * rows.end + particle % lanes;
+    const double *y = x + rows.y * lanes, *z = x + rows.z * lanes;
+    if constexpr (length > 0)
+    {
+        double along[length]; // what is added to cells could be these, for all that the compiler knows
+        for (int i = 0; i < length; ++i) along[i] = x[i * lanes];
+        for (int k = 0; k < p.count[2]; ++k)
+            for (int j = 0; j < p.count[1]; ++j)
+                visit(
+                    p.slot + j * weights.nx + k * weights.nxy, length, [&](int i) { return along[i]; },
+                    y[j * lanes] * z[k * lanes]);
+    }
+    else
+        for (int k = 0; k < p.count[2]; ++k)
+            for (int j = 0; j < p.count[1]; ++j)
+                visit(
+                    p.slot + j * weights.nx + k * weights.nxy, p.count[0], [&](int i) { return x[i * lanes]; },
+                    y[j * lanes] * z[k * lanes]);
 }
 
 /// The same, unrolled for the usual lengths.
-template <class Visit> inline void forEachRow(const BoxWeights& weights, const BoxWeights::Particle& p, Visit&& visit)
+template <class Visit> inline void forEachRow(const BoxWeights& weights, int particle, Visit&& visit)
 {
-    switch (p.count[0])
+    switch (weights.particle[std::size_t(particle)].count[0])
     {
     case 2:
-        return forEachRowOf<2>(weights, p, visit);
+        return forEachRowOf<2>(weights, particle, visit);
     case 3:
-        return forEachRowOf<3>(weights, p, visit);
+        return forEachRowOf<3>(weights, particle, visit);
     case 4:
-        return forEachRowOf<4>(weights, p, visit);
+        return forEachRowOf<4>(weights, particle, visit);
     default:
-        return forEachRowOf<0>(weights, p, visit);
+        return forEachRowOf<0>(weights, particle, visit);
     }
 }
 
@@ -216,14 +241,14 @@ inline void interpolateFields(const BoxWeights& weights, Slots slots, int first,
     for (int n = first; n < first + count; ++n)
     {
         Values sum = {};
-        forEachRow(weights, weights.particle[std::size_t(n)],
-                   [&](int slot, int length, const double* x, double yz)
+        forEachRow(weights, n,
+                   [&](int slot, int length, auto x, double yz)
                    {
                        Values row = {};
                        for (int i = 0; i < length; ++i)
                        {
                            const int cell = slots.cell(slot + i);
-                           if (slots.has(cell)) row += x[i] * reinterpret_cast<const Values*>(cells)[cell];
+                           if (slots.has(cell)) row += x(i) * reinterpret_cast<const Values*>(cells)[cell];
                        }
                        sum += yz * row;
                    });
@@ -239,14 +264,14 @@ inline void depositFields(const BoxWeights& weights, Slots slots, int first, int
     for (int n = first; n < first + count; ++n)
     {
         const Values value = *reinterpret_cast<const Values*>(particles);
-        forEachRow(weights, weights.particle[std::size_t(n)],
-                   [&](int slot, int length, const double* x, double yz)
+        forEachRow(weights, n,
+                   [&](int slot, int length, auto x, double yz)
                    {
                        const Values row = yz * value;
                        for (int i = 0; i < length; ++i)
                        {
                            const int cell = slots.cell(slot + i);
-                           if (slots.has(cell)) reinterpret_cast<Values*>(cells)[cell] += x[i] * row;
+                           if (slots.has(cell)) reinterpret_cast<Values*>(cells)[cell] += x(i) * row;
                        }
                    });
         particles += sizeof(Values) / sizeof(double);
@@ -273,22 +298,48 @@ int BoxAxis::interval(double x) const
 void BoxWeights::clear()
 {
     particle.clear();
+    rows.clear();
     rowEnd = 0;
 }
 
-void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4], double (*mass)[2])
+void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
+                        const double* halfWidth, double* mass, double* centre)
 {
-    appendAll(axis, count, particles, *this, mass);
+    appendAll(axis, count, position, halfWidth, *this, mass, centre);
 }
 
-double BoxWeights::mass(const Particle& p) const
+double* BoxWeights::room(Rows more)
+{
+    more.begin = rowEnd;
+    rows.push_back(more);
+    rowEnd += std::size_t(more.end) * group;
+    if (row.size() < rowEnd) row.resize(2 * rowEnd);
+    return row.data() + more.begin;
+}
+
+HOTBED_VECTORISED void BoxWeights::scale(int first, int count, const double* factor)
+{
+    while (count > 0)
+    {
+        const Rows& r = rows[std::size_t(first) / group];
+        double* x = row.data() + r.begin + first % group / lanes * lanes * r.end;
+        const int lane = first % lanes, some = std::min(lanes - lane, count);
+        for (int k = 0; k < r.y; ++k)
+            for (int i = 0; i < some; ++i) x[k * lanes + lane + i] *= factor[i];
+        first += some;
+        factor += some;
+        count -= some;
+    }
+}
+
+double BoxWeights::mass(int particle) const
 {
     double sum = 0.0;
-    forEachRow(*this, p,
-               [&](int slot, int length, const double* x, double yz)
+    forEachRow(*this, particle,
+               [&](int slot, int length, auto x, double yz)
                {
                    for (int i = 0; i < length; ++i)
-                       if (!cellOf || cellOf[slot + i] >= 0) sum += x[i] * yz;
+                       if (!cellOf || cellOf[slot + i] >= 0) sum += x(i) * yz;
                });
     return sum;
 }

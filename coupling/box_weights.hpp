@@ -1,5 +1,7 @@
 #pragma once
 
+#include "cell_values.hpp"
+
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -10,8 +12,8 @@ namespace hotbed
 /// One axis of a lattice of boxes.
 struct BoxAxis
 {
-    std::vector<double> face;              ///< ascending
-    double origin = 0, inverseSpacing = 0; ///< of the faces, where these are uniform
+    std::vector<double> face;                           ///< ascending
+    double origin = 0, spacing = 0, inverseSpacing = 0; ///< of the faces, where these are uniform
     bool uniform = false, folded = false;
     std::array<double, 2> wall{{0, 0}}; ///< where folded: kernel mass beyond these is mirrored back
 
@@ -23,28 +25,46 @@ struct BoxAxis
 /// of a weight for every cell it reaches, so that the loops over cells read next to nothing but the cells.
 struct BoxWeights
 {
+    static constexpr int group = 64; ///< particles whose rows are made together and as long as each other's
+    static constexpr int lanes = 8;  ///< of these, those that lie side by side, for whole registers
+
     struct Particle
     {
         int slot = 0;                        ///< lattice slot of the first cell
         std::array<int, 3> count{{0, 0, 0}}; ///< cells along each axis; 0 where no cell is reached
-        std::int64_t row = 0;                ///< the rows of x, y and z begin here, one after the other
+    };
+
+    /// Where the masses of a group lie.
+    struct Rows
+    {
+        std::size_t begin;
+        int y, z, end; ///< masses along x come before y, those along y before z, those along z before end
     };
 
     const int* cellOf = nullptr; ///< lattice slot -> cell, -1 for none; null where a slot's number is its cell's
     int nx = 0, nxy = 0;         ///< slots a row, slots a layer
     std::vector<Particle> particle;
-    std::vector<double> row; ///< one-dimensional masses, and room for more
+    CellValues row; ///< one-dimensional masses, [group / lanes][along x, y, z][lanes] by group, and room for more
+    std::vector<Rows> rows; ///< by group
     std::size_t rowEnd = 0;
 
     void clear();
 
-    /// More particles: the kernel mass of each on the lattice.
-    /// @param particles  centre and half the full window of each [m]
+    /// Room for the masses of one more group.
+    double* room(Rows more);
+
+    /// More particles: the kernel mass of each on the lattice. Groups before must be full.
+    /// @param halfWidth  half the full window [m]
     /// @param mass       set: kernel mass on the whole lattice, whether its slots have cells or not
-    void append(const std::array<BoxAxis, 3>& axis, int count, const double (*particles)[4], double (*mass)[2]);
+    /// @param centre     set: 1 where the centre lies in the lattice or on its surface, else 0
+    void append(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3], const double* halfWidth,
+                double* mass, double* centre);
+
+    /// Multiplies the weights of `count` particles by a factor for each.
+    void scale(int first, int count, const double* factor);
 
     /// Mass of a particle on cells that are there.
-    double mass(const Particle& p) const;
+    double mass(int particle) const;
 };
 
 /// Weighted sum of cell values for some of the particles.

@@ -68,6 +68,7 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
         nSlots_[a] = int(axis.face.size()) - 1;
         axis.origin = axis.face.front();
         const double spacing = (axis.face.back() - axis.face.front()) / nSlots_[a];
+        axis.spacing = spacing;
         axis.inverseSpacing = 1.0 / spacing;
         axis.folded = !empty(domain);
         axis.wall = {domain.low[a], domain.high[a]};
@@ -129,33 +130,27 @@ public:
 
     void clear() override { weights_.clear(); }
 
-    void append(int count, const double (*particles)[4], double (*found)[2]) override
+    void append(int count, const double (*position)[3], const double* halfWidth, double* mass, double* centre) override
     {
         const std::size_t first = weights_.particle.size();
         if (cells_.nCells_ == 0)
         {
             weights_.particle.resize(first + std::size_t(count));
-            for (int n = 0; n < count; ++n) found[n][0] = found[n][1] = 0.0;
+            weights_.rows.resize(weights_.particle.size() / BoxWeights::group + 1, {});
+            std::fill_n(mass, count, 0.0);
+            std::fill_n(centre, count, 0.0);
             return;
         }
-        weights_.append(cells_.axis_, count, particles, found);
-        for (int n = 0; n < count; ++n)
+        weights_.append(cells_.axis_, count, position, halfWidth, mass, centre);
+        for (int n = 0; n < count && !cells_.full_; ++n)
         {
-            const double* x = particles[n];
-            if (!cells_.full_) found[n][0] = weights_.mass(weights_.particle[first + std::size_t(n)]);
-            found[n][1] = cells_.contains({{x[0], x[1], x[2]}}) ? 1.0 : 0.0;
+            const double* x = position[n];
+            mass[n] = weights_.mass(int(first) + n);
+            centre[n] = cells_.contains({{x[0], x[1], x[2]}}) ? 1.0 : 0.0;
         }
     }
 
-    void scale(int first, int count, const double* factor) override
-    {
-        for (int n = first; n < first + count; ++n, ++factor)
-        {
-            const BoxWeights::Particle& p = weights_.particle[std::size_t(n)];
-            double* x = weights_.row.data() + p.row;
-            for (int i = 0; i < p.count[0]; ++i) x[i] *= *factor;
-        }
-    }
+    void scale(int first, int count, const double* factor) override { weights_.scale(first, count, factor); }
 
     int size() const override { return int(weights_.particle.size()); }
 
@@ -220,17 +215,13 @@ public:
 
     void clear() override { onBoxes_->clear(); }
 
-    void append(int count, const double (*particles)[4], double (*found)[2]) override
+    void append(int count, const double (*position)[3], const double* halfWidth, double* mass, double* centre) override
     {
         const int first = size();
-        onBoxes_->append(count, particles, found);
-        std::vector<double> mass(count, 0.0);
-        onBoxes_->interpolate(1, first, count, cells_.covered_.data(), mass.data());
+        onBoxes_->append(count, position, halfWidth, mass, centre);
+        onBoxes_->interpolate(1, first, count, cells_.covered_.data(), mass);
         for (int n = 0; n < count; ++n)
-        {
-            found[n][0] = mass[std::size_t(n)];
-            found[n][1] = cells_.contains({{particles[n][0], particles[n][1], particles[n][2]}}) ? 1.0 : 0.0;
-        }
+            centre[n] = cells_.contains({{position[n][0], position[n][1], position[n][2]}}) ? 1.0 : 0.0;
     }
 
     void scale(int first, int count, const double* factor) override { onBoxes_->scale(first, count, factor); }

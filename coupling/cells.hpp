@@ -28,17 +28,13 @@ public:
     virtual void clear() = 0;
 
     /// Takes more particles, whose weights are the kernel mass in each cell of this rank.
-    /// @param particles  centre [m] and n, half the full window [m], of each
-    /// @param found      set for each: kernel mass on all cells of this rank (what lies outside every rank's cells is
-    ///                   missing from 1), and 1 where a cell of this rank holds the centre, else 0
-    virtual void append(int count, const double (*particles)[4], double (*found)[2]) = 0;
-
-    /// The same for new particles in place of those before.
-    void assign(int count, const double (*particles)[4], double (*found)[2])
-    {
-        clear();
-        append(count, particles, found);
-    }
+    /// @param position   centre [m]
+    /// @param halfWidth  n, half the full window [m]
+    /// @param mass       set for each: kernel mass on all cells of this rank (what lies outside every rank's cells is
+    ///                   missing from 1)
+    /// @param centre     set for each: 1 where a cell of this rank holds the centre, else 0
+    virtual void append(int count, const double (*position)[3], const double* halfWidth, double* mass,
+                        double* centre) = 0;
 
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(int first, int count, const double* factor) = 0;

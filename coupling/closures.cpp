@@ -73,14 +73,12 @@ HOTBED_VECTORISED void heatOfAll(int n, const double* __restrict voidage, const 
 
 template <double (*law)(double, double)> void drag(int n, const double* voidage, const double* reynolds, double* beta)
 {
-    const NoTraps guard;
     dragOfAll<law>(n, voidage, reynolds, beta);
 }
 
 template <double (*law)(double, double, double)>
 void heat(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt)
 {
-    const NoTraps guard;
     heatOfAll<law>(n, voidage, reynolds, prandtl, nusselt);
 }
 
@@ -101,16 +99,6 @@ const std::map<std::string, HeatLaw>& heatLaws()
 double effectiveConductivity(double voidage)
 {
     return 1.0 / (1.0 + std::sqrt(1.0 - voidage));
-}
-
-double dragCoefficient(double beta, double viscosity, double voidage, double diameter, double ratio)
-{
-    return 3.0 * M_PI * viscosity * voidage * (ratio * diameter) * (ratio * ratio * beta);
-}
-
-double heatConductance(double nusselt, double conductivity, double diameter, double ratio)
-{
-    return ratio * ratio * ratio * M_PI * nusselt * conductivity * diameter;
 }
 
 double dashpot(double restitution, double stiffness, double mass)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -39,7 +40,10 @@ double effectiveConductivity(double voidage);
 /// @param diameter      ORIGINAL diameter [m]
 /// @param ratio         coarse-graining ratio l [-]
 /// @return [kg/s]
-double dragCoefficient(double beta, double viscosity, double voidage, double diameter, double ratio);
+inline double dragCoefficient(double beta, double viscosity, double voidage, double diameter, double ratio)
+{
+    return 3.0 * M_PI * viscosity * voidage * (ratio * diameter) * (ratio * ratio * beta);
+}
 
 /// h A of one coarse particle, eq 21, 22: h_c A_c = l^3 h A with h = Nu k / d and A = pi d^2.
 /// @param nusselt       Nusselt number of the original particle [-]
@@ -47,7 +51,10 @@ double dragCoefficient(double beta, double viscosity, double voidage, double dia
 /// @param diameter      ORIGINAL diameter [m]
 /// @param ratio         coarse-graining ratio l [-]
 /// @return [W/K]
-double heatConductance(double nusselt, double conductivity, double diameter, double ratio);
+inline double heatConductance(double nusselt, double conductivity, double diameter, double ratio)
+{
+    return ratio * ratio * ratio * M_PI * nusselt * conductivity * diameter;
+}
 
 /// Dashpot that gives a restitution in a head-on impact of the linear spring-dashpot (Deen et al. 2007):
 /// eta = -2 ln(e) sqrt(mass k) / sqrt(pi^2 + ln(e)^2).

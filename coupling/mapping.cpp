@@ -57,54 +57,50 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles, dou
     particles_ = particles.count;
     inside_.resize(std::size_t(particles_));
     weights_->clear();
-    // centre and half the full window; kernel mass on this rank and cells that hold the centre; factor of the weights
-    std::vector<double> particle, found, scale;
-    const auto pack = [&](int first, int count)
-    {
-        particle.resize(std::size_t(count) * 4);
-        for (int k = 0; k < count; ++k)
-        {
-            std::copy_n(particles.position[first + k], 3, &particle[std::size_t(k) * 4]);
-            particle[std::size_t(k) * 4 + 3] = particles.halfWidth[first + k];
-        }
-    };
-    const auto append = [&](int count, const double* copies)
-    {
-        found.resize(std::size_t(count) * 2);
-        weights_->append(count, reinterpret_cast<const double(*)[4]>(copies),
-                         reinterpret_cast<double(*)[2]>(found.data()));
-    };
-    const auto normalise = [&](int first, int count, const double* total)
-    {
-        scale.resize(std::size_t(count));
-        for (int k = 0; k < count; ++k)
-        {
-            const double mass = total[2 * k];
-            inside_[std::size_t(first + k)] = total[2 * k + 1] > 0.0 && mass > 0.0;
-            scale[std::size_t(k)] = inside_[std::size_t(first + k)] ? 1.0 / mass : 0.0;
-        }
-    };
+    const auto isInside = [&](int i, double mass, double centre)
+    { return inside_[std::size_t(i)] = centre > 0.0 && mass > 0.0; };
     if (!direct_)
     {
         route(particles);
-        pack(0, particles_);
-        const double* copies = toCopies(4, particle.data());
-        copyPosition_.resize(std::size_t(receiveStart_[ranks_]));
-        for (std::size_t k = 0; k < copyPosition_.size(); ++k) std::copy_n(copies + 4 * k, 3, copyPosition_[k].begin());
-        append(int(copyPosition_.size()), copies);
-        normalise(0, particles_, toHome(2, found.data()));
-        weights_->scale(0, int(copyPosition_.size()), toCopies(1, scale.data()));
+        const std::size_t mine = std::size_t(particles_);
+        std::vector<double> sent(mine * 4), factor(mine);
+        for (int i = 0; i < particles_; ++i)
+        {
+            std::copy_n(particles.position[i], 3, &sent[std::size_t(i) * 4]);
+            sent[std::size_t(i) * 4 + 3] = particles.halfWidth[i];
+        }
+        const double* copies = toCopies(4, sent.data());
+        const std::size_t n = std::size_t(receiveStart_[ranks_]);
+        std::vector<double> halfWidth(n), mass(n), centre(n);
+        copyPosition_.resize(n);
+        for (std::size_t k = 0; k < n; ++k)
+        {
+            std::copy_n(copies + 4 * k, 3, copyPosition_[k].begin());
+            halfWidth[k] = copies[4 * k + 3];
+        }
+        weights_->append(int(n), reinterpret_cast<const double(*)[3]>(copyPosition_.data()), halfWidth.data(),
+                         mass.data(), centre.data());
+        std::vector<double> found(2 * n);
+        for (std::size_t k = 0; k < n; ++k)
+        {
+            found[2 * k] = mass[k];
+            found[2 * k + 1] = centre[k];
+        }
+        const double* total = toHome(2, found.data());
+        for (int i = 0; i < particles_; ++i, total += 2)
+            factor[std::size_t(i)] = isInside(i, total[0], total[1]) ? 1.0 / total[0] : 0.0;
+        weights_->scale(0, int(n), toCopies(1, factor.data()));
         if (volumes) deposit(1, toCopies(1, particles.volume), volumes);
         return inside_;
     }
     double* sums = volumes ? weights_->sums(1, volumes) : nullptr;
+    double mass[block], centre[block];
     for (int first = 0; first < particles_; first += block)
     {
         const int count = std::min(block, particles_ - first);
-        pack(first, count);
-        append(count, particle.data());
-        normalise(first, count, found.data());
-        weights_->scale(first, count, scale.data());
+        weights_->append(count, particles.position + first, particles.halfWidth + first, mass, centre);
+        for (int k = 0; k < count; ++k) mass[k] = isInside(first + k, mass[k], centre[k]) ? 1.0 / mass[k] : 0.0;
+        weights_->scale(first, count, mass);
         if (volumes) weights_->deposit(1, first, count, particles.volume + first, sums);
     }
     if (volumes) weights_->passOn(1, volumes);

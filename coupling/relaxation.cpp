@@ -43,14 +43,12 @@ HOTBED_VECTORISED void boundGainOfAll(int n, const double* __restrict voidage, c
 
 void relaxation(int n, const double* stiffness, double* gain, double* early)
 {
-    const NoTraps guard;
     relaxationOfAll(n, stiffness, gain, early);
 }
 
 void boundGain(int n, const double* voidage, const double* gasDensity, const double* particleDensity,
                const double* stiffness, double* gain)
 {
-    const NoTraps guard;
     boundGainOfAll(n, voidage, gasDensity, particleDensity, stiffness, gain);
 }
 

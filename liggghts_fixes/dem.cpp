@@ -298,9 +298,10 @@ void Dem::setGasForce(int first, int count, const double (*force)[3])
     instance_->drag->set(first, count, force);
 }
 
-double** Dem::lastGasStep() const
+double (*Dem::lastGasStep() const)[7]
 {
-    return instance_->drag->lastStep();
+    double** rows = instance_->drag->lastStep();
+    return rows ? reinterpret_cast<double(*)[7]>(rows[0]) : nullptr;
 }
 
 const double (*Dem::force() const)[3]
@@ -375,9 +376,9 @@ double* Dem::nusselt() const
     return instance_->heat->nusselt();
 }
 
-double Dem::heatCapacity(int particle) const
+void Dem::heatCapacity(int first, int count, double* capacity) const
 {
-    return instance_->heat->heatCapacity(particle);
+    instance_->heat->heatCapacity(first, count, capacity);
 }
 
 void Dem::receive(int first, int count, const double* heat)

@@ -66,7 +66,7 @@ public:
     bool drag() const;                                                ///< whether the script has a fix hotbed/drag
     double** gasForce() const;                                        ///< force of the gas on each particle [N]
     void setGasForce(int first, int count, const double (*force)[3]); ///< from the next DEM step on [N]
-    double** lastGasStep() const;                                     ///< see FixHotbedDrag::lastStep
+    double (*lastGasStep() const)[7];                                 ///< see FixHotbedDrag::lastStep
     const double (*force() const)[3]; ///< all forces at the end of the last DEM step [N]
 
     /// Largest overlap of this rank's particles with each other and with primitive walls at the end of the last DEM
@@ -77,10 +77,10 @@ public:
     std::string describe(int particle) const; ///< id, place and velocity in words
     std::string fastest() const;              ///< this rank's fastest particle, in words; empty without particles
 
-    double* temperature() const;                            ///< [K]
-    double* nusselt() const;                                ///< [-]
-    double heatCapacity(int particle) const;                ///< m c [J/K]
-    void receive(int first, int count, const double* heat); ///< [J] by particle, from the first of `count` on
+    double* temperature() const;                                     ///< [K]
+    double* nusselt() const;                                         ///< [-]
+    void heatCapacity(int first, int count, double* capacity) const; ///< m c [J/K] by particle, from the first on
+    void receive(int first, int count, const double* heat);          ///< [J] by particle, from the first of `count` on
 
     /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens. A particle that
     /// blows up ends the process with LIGGGHTS' kind of message.

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
+#include <vector>
 
 using namespace LAMMPS_NS;
 
@@ -68,23 +69,27 @@ double* FixHotbedHeat::nusselt() const
     return nusselt_->vector_atom;
 }
 
-double FixHotbedHeat::heatCapacity(int particle) const
+void FixHotbedHeat::heatCapacity(int first, int count, double* capacity) const
 {
-    return atom->rmass[particle] * capacity_->get_values()[atom->type[particle] - 1];
+    const double* ofType = capacity_->get_values() - 1;
+    for (int i = first; i < first + count; ++i) *capacity++ = atom->rmass[i] * ofType[atom->type[i]];
 }
 
 void FixHotbedHeat::receive(int first, int count, const double* heat)
 {
     double* T = temperature();
     vector_atom = T;
-    for (int i = first; i < first + count; ++i) T[i] += heat[i - first] / heatCapacity(i);
+    const double* ofType = capacity_->get_values() - 1;
+    for (int i = first; i < first + count; ++i) T[i] += heat[i - first] / (atom->rmass[i] * ofType[atom->type[i]]);
 }
 
 double FixHotbedHeat::compute_scalar()
 {
     double mine = 0.0, sum = 0.0;
     const double* T = temperature();
-    for (int i = 0; i < atom->nlocal; ++i) mine += heatCapacity(i) * T[i];
+    std::vector<double> capacity(std::size_t(atom->nlocal));
+    heatCapacity(0, atom->nlocal, capacity.data());
+    for (int i = 0; i < atom->nlocal; ++i) mine += capacity[std::size_t(i)] * T[i];
     MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
     return sum;
 }

@@ -18,9 +18,9 @@ public:
     void init() override;
     double compute_scalar() override; ///< thermal energy of all particles, sum m c T [J]
 
-    double* temperature() const;             ///< [K], by local particle
-    double* nusselt() const;                 ///< [-], by local particle
-    double heatCapacity(int particle) const; ///< m c of a coarse particle [J/K]
+    double* temperature() const;                                     ///< [K], by local particle
+    double* nusselt() const;                                         ///< [-], by local particle
+    void heatCapacity(int first, int count, double* capacity) const; ///< m c of coarse particles [J/K]
 
     /// T += heat / (m c)
     /// @param first  local particle, the first of `count`

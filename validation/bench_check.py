@@ -1,9 +1,9 @@
 """The time that `hotbed check` tells against the time that the run takes. `./hotbed bench check [--quick]`; needs free cores.
 
-Examples on one and two ranks, each checked and then run: fixed_bed, slim_bed at `l` = 2 and (beds too large to settle while they
-are checked) at `l` = 1, the paper's bed at `l` = 2.5 for 1 s. --quick: the slim bed at `l` = 2.5, 0.4 s. From each bed also what check
-takes for beds that have not settled (check_rows.py): cost of a DEM step after a fall through the bed's height over that before,
-largest gas velocity over u0/voidage.
+Every example that is a case, checked and then run, on one rank, then on two: settling_particle, fixed_bed, cylinder_bed, slim_bed
+at `l` = 2 and (beds too large to settle while they are checked) at `l` = 1, the paper's bed at `l` = 2.5 for 1 s. --quick: the
+slim bed at `l` = 2.5, 0.4 s. From each bed also what check takes for beds that have not settled (check_rows.py): cost of a DEM step
+after a fall through the bed's height over that before, largest gas velocity over u0/voidage.
 """
 
 import argparse
@@ -20,9 +20,9 @@ import check_rows
 import results
 from run import prepare, run_case
 
-SCENES = [("fixed_bed", {}, 1), ("fixed_bed", {}, 2), ("slim_bed", {}, 1), ("slim_bed", {}, 2), ("slim_bed", {"l": "1"}, 1),
-          ("slim_bed", {"l": "1"}, 2), ("fluidized_bed", {"l": "2.5", "endTime": "1"}, 1),
-          ("fluidized_bed", {"l": "2.5", "endTime": "1"}, 2)]
+CASES = [("settling_particle", {}), ("fixed_bed", {}), ("cylinder_bed", {}), ("slim_bed", {}), ("slim_bed", {"l": "1"}),
+         ("fluidized_bed", {"l": "2.5", "endTime": "1"})]
+SCENES = [(*case, ranks) for ranks in (1, 2) for case in CASES if ranks == 1 or case[0] != "settling_particle"]
 QUICK = [("slim_bed", {"l": "2.5", "endTime": "0.4"}, ranks) for ranks in (1, 2)]
 
 

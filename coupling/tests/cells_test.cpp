@@ -35,9 +35,9 @@ const Box unit{{{0, 0, 0}}, {{1, 1, 1}}};
 std::map<int, double> masses(const Cells& cells, const Point& x, double n)
 {
     const auto weights = cells.weights();
-    const double particle[1][4] = {{x[0], x[1], x[2], n}}, one = 1.0;
-    double found[1][2];
-    weights->assign(1, particle, found);
+    const double position[1][3] = {{x[0], x[1], x[2]}}, one = 1.0;
+    double found, centre;
+    weights->append(1, position, &n, &found, &centre);
     std::vector<double> deposited(cells.size(), 0.0);
     weights->deposit(1, &one, deposited.data());
     std::map<int, double> mass;
@@ -47,7 +47,7 @@ std::map<int, double> masses(const Cells& cells, const Point& x, double n)
         sum += deposited[c];
         if (deposited[c] > 0.0) mass[c] = deposited[c];
     }
-    EXPECT_NEAR(found[0][0], sum, 1e-14);
+    EXPECT_NEAR(found, sum, 1e-14);
     return mass;
 }
 
@@ -200,9 +200,10 @@ TEST(Weights, SeveralFieldsAtATimeGiveWhatOneDoes)
     {
         const auto weights = cells->weights();
         constexpr std::size_t n = 3;
-        const double particles[n][4] = {{0.1, 0.5, 0.9, 0.3}, {0.33, 0.4, 0.45, 0.3}, {0.6, 0.02, 0.7, 0.3}};
-        double found[n][2];
-        weights->assign(int(n), particles, found);
+        const double position[n][3] = {{0.1, 0.5, 0.9}, {0.33, 0.4, 0.45}, {0.6, 0.02, 0.7}},
+                     halfWidth[n] = {0.3, 0.3, 0.3};
+        double found[n], centre[n];
+        weights->append(int(n), position, halfWidth, found, centre);
         const std::size_t m = std::size_t(cells->size());
         for (const int fields : {1, 2, 4, 8, 12, 16})
         {
