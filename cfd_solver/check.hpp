@@ -38,6 +38,7 @@ private:
     bool on_ = false;
     double seconds_ = 0;
     std::vector<Step> steps_;
+    double setUp_ = 0; ///< wall time of the process to the end of its first step, largest of all ranks [s]
 };
 
 } // namespace hotbed

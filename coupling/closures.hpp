@@ -24,7 +24,8 @@ using DragLaw = void (*)(int n, const double* voidage, const double* reynolds, d
 /// @param nusselt   set: Nusselt number on the original diameter [-]
 using HeatLaw = void (*)(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt);
 
-/// All laws, by their names in couplingProperties. The formulas and where they come from are in closures.cpp.
+/// All laws, by their names in couplingProperties. A host that traps floating-point errors calls them within NoTraps
+/// (vectorised.hpp). The formulas and where they come from are in closures.cpp.
 const std::map<std::string, DragLaw>& dragLaws();
 const std::map<std::string, HeatLaw>& heatLaws();
 

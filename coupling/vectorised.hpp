@@ -8,7 +8,9 @@
 namespace hotbed
 {
 
-/// In whole registers both sides of a choice are evaluated, also log(0): a host that traps that must not see it.
+/// While it lives, floating-point errors are not trapped: in whole registers both sides of a choice are evaluated, also
+/// log(0). For the host that calls closures and relaxation, around all of them, since it takes as long as some
+/// particles.
 class NoTraps
 {
 public:

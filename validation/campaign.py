@@ -33,10 +33,14 @@ def reached(folder):
     return max((float(state.parent.name) for state in Path(folder).glob("restart/*/state")), default=0.0)
 
 
-def ended(folder):
-    """Whether a folder holds a run that came to its end: the table that closes the log is there, and no signal before it."""
+def ended(folder, end=None):
+    """Whether a folder holds a run that came to its end: the table that closes the log is there, and no signal before it.
+    @param end  that it was to reach [s], as near as whole steps come; a `stopAt` that was set while it ran ends it before"""
     log = Path(folder) / "log.hotbedFoam"
-    return log.is_file() and "\n    whole run" in hotbed.ending(log) and not stopped(log)
+    if not log.is_file() or "\n    whole run" not in hotbed.ending(log) or stopped(log):
+        return False
+    times = [0.0, *(float(t) for t in re.findall(r"(?m)^Time = (\S+)", hotbed.ending(log)))]
+    return end is None or times[-1] >= end - 0.51 * np.diff(times[-2:]).sum()
 
 
 def done(folder, settings):
@@ -46,7 +50,7 @@ def done(folder, settings):
         return True
     file = Path(folder) / "settings"
     have = hotbed.read_settings(file).get("endTime", "inf") if file.is_file() else "inf"
-    return ended(folder) and float(have) >= end * (1 - 1e-6)
+    return float(have) >= end * (1 - 1e-6) and ended(folder, end if end < float("inf") else None)
 
 
 def run_all(case, folder, runs, at_once=2, ranks=1, keep_going=False):

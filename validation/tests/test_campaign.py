@@ -14,6 +14,7 @@ import campaign
 import results
 
 TABLE = "Timing (1 rank, 9 steps)\n    whole run    1.00\n"
+LOG = "Time = 4.9998  Courant 1\nTime = 5.0001  Courant 1\n" + TABLE
 
 
 class Campaign(unittest.TestCase):
@@ -29,9 +30,11 @@ class Campaign(unittest.TestCase):
             return campaign.done(run, {"endTime": end})
 
     def test_a_run_is_done_when_it_came_to_its_end_and_not_when_it_was_stopped(self):
-        self.assertTrue(self.done(TABLE, "5"))
-        self.assertTrue(self.done(TABLE, "2.5"))
-        self.assertFalse(self.done(TABLE, "6"))
+        self.assertTrue(self.done(LOG, "5"))
+        self.assertTrue(self.done(LOG.replace("5.0001", "4.99994"), "5"))
+        self.assertTrue(self.done(LOG, "2.5"))
+        self.assertFalse(self.done(LOG, "6"))
+        self.assertFalse(self.done(LOG.replace("5.0001", "4.9999"), "5"))  # stopAt writeNow, at 4.9999 s
         self.assertFalse(self.done("Time = 3\n", "5"))
         self.assertFalse(self.done("\nStopped by signal 15 at 0.7 s, restart written\n" + TABLE, "5", ["0.5", "0.7"]))
         self.assertTrue(self.done("\nStopped by signal 15 at 0.7 s, restart written\n" + TABLE, "0.5", ["0.5", "0.7"]))
