@@ -120,6 +120,12 @@ def bar(deviation, freedom, *repeats):
     return student.ppf(0.975, freedom) * deviation * np.sqrt(sum(1 / n for n in repeats))
 
 
+def bar_from_blocks(*errors, blocks=5):
+    """The same of the difference of two means of runs. @param errors  for each mean, those of `mean` of its runs"""
+    error = np.sqrt(sum(np.sum(np.square(e)) / len(e)**2 for e in errors))
+    return student.ppf(0.975, (blocks - 1) * sum(len(e) for e in errors)) * error
+
+
 def bar_of_difference(a, b):
     """Half-width of the 95 % confidence interval of the difference of the means of two sets of runs that scatter each in their own
     way (Welch)."""

@@ -58,6 +58,10 @@ class Campaign(unittest.TestCase):
         self.assertAlmostEqual(deviation, (8 / 3)**0.5)
         self.assertAlmostEqual(campaign.bar(1.0, 3, 4), 3.182446 / 2, places=5)  # tables of the distribution
 
+    def test_bar_from_blocks_is_students(self):
+        self.assertAlmostEqual(campaign.bar_from_blocks([0.3], [0.4]), 2.306004 * 0.5, places=6)  # 8 degrees of freedom
+        self.assertAlmostEqual(campaign.bar_from_blocks([0.3, 0.3]), 2.306004 * 0.3 / 2**0.5, places=6)
+
     def test_bar_of_a_difference_is_that_of_welchs_test(self):
         a, b = np.array([27.5, 21.0, 19.0, 23.6, 17.0, 17.9]), np.array([27.1, 22.0, 20.8, 23.4])
         bar = campaign.bar_of_difference(a, b)
