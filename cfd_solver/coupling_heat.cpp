@@ -57,9 +57,9 @@ void Coupling::heatInCells()
     const tmp<volVectorField> slope = settings_.temperatureGradient ? fvc::grad(gas_.T()) : nullptr;
     vectorField none(slope ? 0 : mesh_.nCells(), Zero);
     vectorField& gradient = slope ? slope.ref().primitiveFieldRef() : none;
+    scalar lowest = GREAT, highest = 0.0;
     if (slope)
     {
-        scalar lowest = GREAT, highest = 0.0;
         const scalarField* fields[] = {&T, &temperatureBefore_, &gas_.T().primitiveField()};
         for (const scalarField* field : fields)
             for (const scalar value : *field)
@@ -69,20 +69,6 @@ void Coupling::heatInCells()
             }
         reduce(lowest, minOp<scalar>());
         reduce(highest, maxOp<scalar>());
-        for (label c = 0; c < mesh_.nCells(); ++c)
-        {
-            const double* sum = &cellSums_[std::size_t(c) * sumFields_ + std::size_t(heatAt_)];
-            if (!(sum[0] > 0.0)) continue;
-            scalar change = 0.0; // the most that a particle of this cell can be off its reading
-            for (int a = 0; a < 3; ++a)
-                change +=
-                    mag(gradient[c][a]) * (widest_ + halfExtent_[c][a] + mag(sum[4 + a] / sum[0] - mesh_.C()[c][a]));
-            // what a particle sees on average over the step lies between T and, where `early` is all of half the gain,
-            // the middle between before and after: no reading may leave the range from either
-            const scalar middle = T[c] + 0.5 * early_[c] * (temperatureBefore_[c] - T[c]);
-            const scalar room = max(min(min(T[c], middle) - lowest, highest - max(T[c], middle)), 0.0);
-            if (change > room) gradient[c] *= room / change;
-        }
     }
 
     for (label c = 0; c < mesh_.nCells(); ++c)
@@ -91,13 +77,22 @@ void Coupling::heatInCells()
         double* f = &cellValues_[std::size_t(c) * readFields_ + std::size_t(readHeatAt_)];
         f[0] = T[c] - exchange.reference;
         f[1] = f[2] = f[3] = 0.0;
-        if (sum[0] > 0.0)
-            for (int a = 0; a < 3; ++a)
-            {
-                f[0] -= gradient[c][a] * sum[4 + a] / sum[0];
-                f[1 + a] = gradient[c][a];
-            }
         f[4] = early_[c] * (temperatureBefore_[c] - T[c]);
+        if (!(sum[0] > 0.0)) continue;
+        const vector centre = vector(sum[4], sum[5], sum[6]) / sum[0];
+        scalar change = 0.0; // the most that a particle of this cell can be off its reading
+        for (int a = 0; a < 3; ++a)
+            change += mag(gradient[c][a]) * (widest_ + halfExtent_[c][a] + mag(centre[a] - mesh_.C()[c][a]));
+        // what a particle sees on average over the step lies between T and, where `early` is all of half the gain,
+        // the middle between before and after: no reading may leave the range from either
+        const scalar middle = T[c] + 0.5 * f[4];
+        const scalar room = max(min(min(T[c], middle) - lowest, highest - max(T[c], middle)), 0.0);
+        if (change > room) gradient[c] *= room / change;
+        for (int a = 0; a < 3; ++a)
+        {
+            f[0] -= gradient[c][a] * centre[a];
+            f[1 + a] = gradient[c][a];
+        }
     }
     heatExchanged_ = heatReceived_ = 0.0;
 }

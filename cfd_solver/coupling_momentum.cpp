@@ -43,18 +43,18 @@ HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const double* gas,
     for (int k = 0; k < count; ++k) held[k] = B[k] > 0.0 ? 1.0 - gain[k] / (B[k] > 0.0 ? b[k] : 1.0) : 0.0;
 
     const double(*v)[3] = dem_.velocity() + first;
-    const double(*lasts)[7] = dem_.lastGasStep() + first;
-    double** gasForce = dem_.gasForce() + first;
+    const double(*lasts)[4] = dem_.lastGasStep() + first;
+    const double(*gasForce)[3] = dem_.gasForce() + first;
     const double(*force)[3] = dem_.force() + first;
     for (int k = 0; k < count; ++k, given += givenFields_)
     {
         const double* last = lasts[k];
-        const double momentum = last[6] > 0.0 ? m[k] / last[6] : 0.0;
+        const double momentum = last[3] > 0.0 ? m[k] / last[3] : 0.0;
         given[0] = m[k] * gain[k] * rate;
         for (int a = 0; a < 3; ++a)
         {
-            const double other =
-                last[6] > 0.0 ? momentum * (v[k][a] - last[a]) - last[3 + a] : force[k][a] - gasForce[k][a];
+            const double all = last[3] > 0.0 ? momentum * (v[k][a] - last[a]) : force[k][a];
+            const double other = all - gasForce[k][a];
             given[1 + a] = given[0] * v[k][a] + held[k] * other;
         }
         given[4] = held[k] * sphereVolume(radius[k]);
@@ -98,7 +98,7 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
     const double dt = mesh_.time().deltaTValue();
     const double* radius = dem_.radius();
     const double(*v)[3] = dem_.velocity();
-    double(*lasts)[7] = dem_.lastGasStep();
+    double(*lasts)[4] = dem_.lastGasStep();
     vector received(Zero), dragReceived(Zero);
     double exchanged = 0.0, forces[Mapping::block][3];
     for (int i = first; i < first + count; ++i, read += readFields_)
@@ -112,12 +112,11 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
             const double drag = given[0] * read[a] - given[1 + a] + given[4] * read[3 + a];
             force[a] = drag - volume * read[3 + a];
             last[a] = v[i][a];
-            last[3 + a] = force[a];
             received[a] += force[a];
             dragReceived[a] += drag;
             exchanged += std::abs(drag);
         }
-        last[6] = dt;
+        last[3] = dt;
     }
     dem_.setGasForce(first, count, forces);
     impulse_ += dt * received;

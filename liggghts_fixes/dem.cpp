@@ -288,9 +288,9 @@ bool Dem::drag() const
     return instance_->drag != nullptr;
 }
 
-double** Dem::gasForce() const
+const double (*Dem::gasForce() const)[3]
 {
-    return instance_->drag->force();
+    return block(instance_->drag->force());
 }
 
 void Dem::setGasForce(int first, int count, const double (*force)[3])
@@ -298,10 +298,10 @@ void Dem::setGasForce(int first, int count, const double (*force)[3])
     instance_->drag->set(first, count, force);
 }
 
-double (*Dem::lastGasStep() const)[7]
+double (*Dem::lastGasStep() const)[4]
 {
     double** rows = instance_->drag->lastStep();
-    return rows ? reinterpret_cast<double(*)[7]>(rows[0]) : nullptr;
+    return rows ? reinterpret_cast<double(*)[4]>(rows[0]) : nullptr;
 }
 
 const double (*Dem::force() const)[3]

@@ -34,7 +34,7 @@ FixPropertyAtom* FixHotbedDrag::property(const char* name, int values)
 void FixHotbedDrag::post_create()
 {
     force_ = property("gasForce", 3);
-    lastStep_ = property("gasStep", 7);
+    lastStep_ = property("lastGasStep", 4);
     kept_ = property("restartForce", 6);
 }
 

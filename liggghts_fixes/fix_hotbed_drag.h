@@ -25,8 +25,7 @@ public:
     /// exactly force times the gas step. @param force  [count][3]
     void set(int first, int count, const double (*force)[3]);
 
-    double** lastStep()
-        const; ///< 7 values: velocity at the start of the last gas step, force of the gas in it [N], its length [s]
+    double** lastStep() const; ///< velocity at the start of the last gas step (3), its length [s]
 
     /// Keeps all forces and torques of the particles, or puts them back: LIGGGHTS evaluates them anew when a run
     /// starts, at velocities half a step further on than a run that goes on.

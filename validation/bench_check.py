@@ -58,7 +58,7 @@ def main():
     parser.add_argument("--example", help="only the scenes of this one")
     parser.add_argument("--seconds", type=float, default=10, help="as that of hotbed check (default 10)")
     options = parser.parse_args()
-    figures = results.Figures("check", verb="bench")
+    figures = results.Figures("check" + (f"-{options.example}" if options.example else ""), verb="bench")
     folder = Path("results") / "check" / "bench"
     scenes = [s for s in (QUICK if options.quick else SCENES) if options.example in (None, s[0])]
     for name, settings, ranks in scenes:

@@ -4,7 +4,8 @@ against the finest one (Figs 5 and 11), and against a bed whose gas leaves at th
 `./hotbed validate paper [--bed fluidized_bed] [--until T] [--quick] [--figures [FOLDER]]`: the slim bed at `l` = 1, 1.5, 2,
 2.5 for 5 s, hours; stopped runs go on. Coarse runs are repeated with a velocity that differs by a millionth: the bed is
 chaotic, and its repeats tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at
-`l` = 2 and 2.5 for 2.5 s, each run once; the bar of its Nusselt numbers comes from blocks of time.
+`l` = 2 and 2.5 for 2.5 s, each run once; the bar of its Nusselt numbers comes from blocks of time. Also the figures of
+`validate fluidized_bed`, over that longer time.
 --quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s.
 
 Writes small tables, results/paper*.csv, and from them and the runs the paper's figures 2 to 12 beside the runs. --figures runs
@@ -26,6 +27,7 @@ import campaign
 import paper_figures
 import paper_tables
 import results
+import validate_fluidized_bed
 from bed_pictures import Run
 from paraview import read_dump
 from run import read_settings
@@ -155,6 +157,8 @@ def main():
         bar = campaign.bar_of_difference(above, below) if slim else campaign.bar_from_blocks(*errors[n:n + 2])
         figures.add(f"mean Nusselt number at {fast} m/s less than at {slow} m/s, all ratios, over the bar of the difference",
                     (above.mean() - below.mean()) / bar, 1.0, f"{below.mean():.3f} and {above.mean():.3f}, bar {bar:.3f}", least=True)
+    for run in folders.values() if not slim else ():
+        validate_fluidized_bed.report(figures, run, validate_fluidized_bed.FLUIDISED)
     for what, value in paper_tables.distances(stem, HOT).items():
         figures.note(what, value)
     sys.exit(figures.close())
