@@ -76,8 +76,9 @@ public:
     /// @param cellSums  [cells().size()][fields], added to
     void deposit(int fields, const double* copies, double* cellSums) { weights_->deposit(fields, copies, cellSums); }
 
-    /// Weighted means to the particles, a block of them at a time, so that these need not leave the cache. Collective.
-    static constexpr int block = 256;
+    /// Weighted means to the particles, a block of them at a time: few enough that these need not leave the (second)
+    /// cache, enough that the processor sees the arrays that follow each other coming. Collective.
+    static constexpr int block = 2048;
     using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
     void interpolate(int fields, const double* cellValues, const Use& use);
 
