@@ -176,10 +176,11 @@ void printSpeed(Timing& timing, const fvMesh& mesh, const Dem& dem, const Coupli
             scalarList ofRanks(Pstream::nProcs());
             ofRanks[Pstream::myProcNo()] = mine;
             Pstream::gatherList(ofRanks);
+            if (!Pstream::master()) return; // it has not got the others'
             const label most = findMax(ofRanks);
             const scalar mean = average(ofRanks);
             const std::string where = "largest over mean, rank " + std::to_string(most);
-            if (Pstream::master() && mean > 0) row(name, ofRanks[most] / mean, where.c_str());
+            if (mean > 0) row(name, ofRanks[most] / mean, where.c_str());
         };
         scalar exchange = 0;
         for (const char* phase : Coupling::phases) exchange += timing.busy(phase);
