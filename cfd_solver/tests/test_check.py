@@ -28,7 +28,7 @@ class Check(CoupledTest):
         return {name for name, row in rows.items() if row.level == check.REFUSED}
 
     def test_examples_are_green_and_their_first_steps_run(self):
-        for case in ("slim_bed", "fixed_bed", "settling_particle", "fluidized_bed"):
+        for case in ("slim_bed", "fixed_bed", "settling_particle", "cylinder_bed", "fluidized_bed"):
             with self.subTest(case):
                 facts, rows = table(EXAMPLES / case)
                 self.assertEqual(self.refused(rows), set(), rows)
