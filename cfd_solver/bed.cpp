@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <iomanip>
 #include <numeric>
-#include <vector>
 
 using namespace Foam;
 
@@ -32,7 +31,7 @@ Bed::Bed(const fvMesh& mesh, const Coupling& coupling, const Dem& dem, const Gas
     if (coupling_.heat())
     {
         gasEnergyAtStart_ = gasEnergy_ = gas_.energyContent();
-        particleEnergyAtStart_ = particleEnergy_ = particleEnergy();
+        particleEnergyAtStart_ = particleEnergy_ = dem_.thermalEnergy();
     }
     gasMomentumAtStart_ = gasMomentum_ = gas_.momentumContent();
     if (dem_.moving()) largestOverlap();
@@ -81,24 +80,14 @@ void Bed::resume(const dictionary& state)
     mismatch_ = state.get<scalar>("mismatch");
 }
 
-double Bed::particleEnergy() const
-{
-    const int n = dem_.size();
-    std::vector<double> capacity(std::size_t(n), 0.0);
-    dem_.heatCapacity(0, n, capacity.data());
-    double sum = std::inner_product(capacity.begin(), capacity.end(), dem_.temperature(), 0.0);
-    reduce(sum, sumOp<double>());
-    return sum;
-}
-
 void Bed::particlesWillMove()
 {
-    if (coupling_.heat() && dem_.moving()) energyBeforeMove_ = particleEnergy();
+    if (coupling_.heat() && dem_.moving()) energyBeforeMove_ = dem_.thermalEnergy();
 }
 
 void Bed::particlesHaveMoved()
 {
-    if (coupling_.heat() && dem_.moving()) carried_ += particleEnergy() - energyBeforeMove_;
+    if (coupling_.heat() && dem_.moving()) carried_ += dem_.thermalEnergy() - energyBeforeMove_;
 }
 
 void Bed::record(bool last)
@@ -204,7 +193,7 @@ void Bed::line()
         reduce(low, minOp<double>());
         reduce(high, maxOp<double>());
         gasEnergy_ = gas_.energyContent();
-        particleEnergy_ = particleEnergy();
+        particleEnergy_ = dem_.thermalEnergy();
         const scalar gasLow = gMin(gas_.T().primitiveField()), gasHigh = gMax(gas_.T().primitiveField());
         const double change = gasEnergy_ - gasEnergyAtStart_ + particleEnergy_ - particleEnergyAtStart_;
         const double error = exchanged_ > 0 ? (change - inflow_ - carried_) / exchanged_ : 0.0;
@@ -248,7 +237,7 @@ void Bed::finish(Ostream& out)
         out << "Momentum budget: not accounted for " << momentumError() << " of the impulse given to the particles"
             << nl;
     if (!coupling_.heat()) return;
-    particleEnergy_ = particleEnergy(); // a restart after the last line may have let particles go
+    particleEnergy_ = dem_.thermalEnergy(); // a restart after the last line may have let particles go
     const double gas = gasEnergy_ - gasEnergyAtStart_, particles = particleEnergy_ - particleEnergyAtStart_;
     const double rest = gas + particles - inflow_ - carried_;
     out << "Energy budget [J]" << nl << "    gained by the gas           " << gas << nl

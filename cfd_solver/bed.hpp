@@ -41,7 +41,6 @@ public:
     void finish(Foam::Ostream& out);
 
 private:
-    double particleEnergy() const;
     double momentumError() const; ///< not accounted for, of the impulse given to the particles
     void line();
     double largestOverlap() const; ///< of all ranks; one that is too large ends the run with the particle's name

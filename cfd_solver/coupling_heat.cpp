@@ -3,6 +3,8 @@
 #include "relaxation.hpp"
 #include "vectorised.hpp"
 
+#include <utility>
+
 using namespace Foam;
 
 namespace hotbed
@@ -55,21 +57,10 @@ void Coupling::heatInCells()
     // centre of the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the
     // range of the gas. Without it the kernel spreads heat fronts like a conduction that grows with l.
     const tmp<volVectorField> slope = settings_.temperatureGradient ? fvc::grad(gas_.T()) : nullptr;
-    vectorField none(slope ? 0 : mesh_.nCells(), Zero);
-    vectorField& gradient = slope ? slope.ref().primitiveFieldRef() : none;
-    scalar lowest = GREAT, highest = 0.0;
+    scalarMinMax range;
     if (slope)
-    {
-        const scalarField* fields[] = {&T, &temperatureBefore_, &gas_.T().primitiveField()};
-        for (const scalarField* field : fields)
-            for (const scalar value : *field)
-            {
-                lowest = min(lowest, value);
-                highest = max(highest, value);
-            }
-        reduce(lowest, minOp<scalar>());
-        reduce(highest, maxOp<scalar>());
-    }
+        for (const scalarField* field : {&T, &std::as_const(temperatureBefore_), &gas_.T().primitiveField()})
+            range += gMinMax(*field);
 
     for (label c = 0; c < mesh_.nCells(); ++c)
     {
@@ -78,20 +69,21 @@ void Coupling::heatInCells()
         f[0] = T[c] - exchange.reference;
         f[1] = f[2] = f[3] = 0.0;
         f[4] = early_[c] * (temperatureBefore_[c] - T[c]);
-        if (!(sum[0] > 0.0)) continue;
+        if (!slope || !(sum[0] > 0.0)) continue;
+        vector gradient = slope()[c];
         const vector centre = vector(sum[4], sum[5], sum[6]) / sum[0];
         scalar change = 0.0; // the most that a particle of this cell can be off its reading
         for (int a = 0; a < 3; ++a)
-            change += mag(gradient[c][a]) * (widest_ + halfExtent_[c][a] + mag(centre[a] - mesh_.C()[c][a]));
+            change += mag(gradient[a]) * (widest_ + halfExtent_[c][a] + mag(centre[a] - mesh_.C()[c][a]));
         // what a particle sees on average over the step lies between T and, where `early` is all of half the gain,
         // the middle between before and after: no reading may leave the range from either
         const scalar middle = T[c] + 0.5 * f[4];
-        const scalar room = max(min(min(T[c], middle) - lowest, highest - max(T[c], middle)), 0.0);
-        if (change > room) gradient[c] *= room / change;
+        const scalar room = max(min(min(T[c], middle) - range.min(), range.max() - max(T[c], middle)), 0.0);
+        if (change > room) gradient *= room / change;
         for (int a = 0; a < 3; ++a)
         {
-            f[0] -= gradient[c][a] * centre[a];
-            f[1 + a] = gradient[c][a];
+            f[0] -= gradient[a] * centre[a];
+            f[1 + a] = gradient[a];
         }
     }
     heatExchanged_ = heatReceived_ = 0.0;

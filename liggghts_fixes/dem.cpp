@@ -218,10 +218,10 @@ int Dem::size() const
 namespace
 {
 
-/// LIGGGHTS keeps n x 3 arrays in one block behind row pointers
-const double (*block(double** rows))[3]
+/// LIGGGHTS keeps two-dimensional arrays in one block behind row pointers
+template <int n = 3> double (*block(double** rows))[n]
 {
-    return rows ? reinterpret_cast<const double(*)[3]>(rows[0]) : nullptr;
+    return rows ? reinterpret_cast<double(*)[n]>(rows[0]) : nullptr;
 }
 
 } // namespace
@@ -300,8 +300,7 @@ void Dem::setGasForce(int first, int count, const double (*force)[3])
 
 double (*Dem::lastGasStep() const)[4]
 {
-    double** rows = instance_->drag->lastStep();
-    return rows ? reinterpret_cast<double(*)[4]>(rows[0]) : nullptr;
+    return block<4>(instance_->drag->lastStep());
 }
 
 const double (*Dem::force() const)[3]
@@ -379,6 +378,11 @@ double* Dem::nusselt() const
 void Dem::heatCapacity(int first, int count, double* capacity) const
 {
     instance_->heat->heatCapacity(first, count, capacity);
+}
+
+double Dem::thermalEnergy() const
+{
+    return instance_->heat->compute_scalar();
 }
 
 void Dem::receive(int first, int count, const double* heat)

@@ -80,6 +80,7 @@ public:
     double* temperature() const;                                     ///< [K]
     double* nusselt() const;                                         ///< [-]
     void heatCapacity(int first, int count, double* capacity) const; ///< m c [J/K] by particle, from the first on
+    double thermalEnergy() const;                                    ///< sum of m c T over all ranks [J]; collective
     void receive(int first, int count, const double* heat);          ///< [J] by particle, from the first of `count` on
 
     /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens. A particle that

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
-#include <vector>
 
 using namespace LAMMPS_NS;
 
@@ -87,9 +86,8 @@ double FixHotbedHeat::compute_scalar()
 {
     double mine = 0.0, sum = 0.0;
     const double* T = temperature();
-    std::vector<double> capacity(std::size_t(atom->nlocal));
-    heatCapacity(0, atom->nlocal, capacity.data());
-    for (int i = 0; i < atom->nlocal; ++i) mine += capacity[std::size_t(i)] * T[i];
+    const double* ofType = capacity_->get_values() - 1;
+    for (int i = 0; i < atom->nlocal; ++i) mine += atom->rmass[i] * ofType[atom->type[i]] * T[i];
     MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, world);
     return sum;
 }

@@ -55,12 +55,14 @@ def after_settling(run, facts):
 def main():
     parser = argparse.ArgumentParser(prog="hotbed bench check", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="the slim bed at l = 2.5, 0.4 s")
-    parser.add_argument("--example", help="only the scenes of this one")
+    parser.add_argument("--example", choices=dict(CASES), help="only the scenes of this one")
     parser.add_argument("--seconds", type=float, default=10, help="as that of hotbed check (default 10)")
     options = parser.parse_args()
+    scenes = [s for s in (QUICK if options.quick else SCENES) if options.example in (None, s[0])]
+    if not scenes:
+        parser.error(f"--quick has no scene of {options.example}")
     figures = results.Figures("check" + (f"-{options.example}" if options.example else ""), verb="bench")
     folder = Path("results") / "check" / "bench"
-    scenes = [s for s in (QUICK if options.quick else SCENES) if options.example in (None, s[0])]
     for name, settings, ranks in scenes:
         case, label = ROOT / "examples" / name, " ".join([name, *(f"{k}={v}" for k, v in settings.items()), f"-np {ranks}"])
         facts, control, _, refused = check.measure(case, settings, ranks, options.seconds)

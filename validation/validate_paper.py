@@ -72,15 +72,16 @@ def compare(figures, case, u0, groups, times, start):
     """
     late = times >= start
     repeated = any(len(g) > 1 for g in groups.values())
-    spread = campaign.spread if repeated else lambda none: (0.0, 1)
     finest = min(groups)
     values = {l: np.array([c.temperature for c in g]) for l, g in groups.items()}
     numbers = {l: np.array([c.nusselt[late].mean() for c in g]) for l, g in groups.items()}
-    deviation, freedom = spread([v for v in values.values() if len(v) > 1])
-    deviationNu, _ = spread([n for n in numbers.values() if len(n) > 1])
+    deviation, deviationNu, freedom = np.zeros(len(times)), 0.0, 1  # no bars without repeats
+    if repeated:
+        deviation, freedom = campaign.spread([v for v in values.values() if len(v) > 1])
+        deviationNu, _ = campaign.spread([n for n in numbers.values() if len(n) > 1])
     reference, referenceNu = values[finest].mean(axis=0), numbers[finest].mean()
     for l in sorted(groups)[1:]:
-        allowed = campaign.bar(deviation, freedom, len(values[l]), len(values[finest])) + 0.0 * reference
+        allowed = campaign.bar(deviation, freedom, len(values[l]), len(values[finest]))
         away = np.abs(values[l].mean(axis=0) - reference)
         beyond = np.where(away > allowed, away, 0) / (HOT - reference)
         worst = np.argmax(away / (HOT - reference))
