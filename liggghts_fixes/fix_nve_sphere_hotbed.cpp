@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 using namespace LAMMPS_NS;
@@ -34,9 +35,12 @@ struct Step
 
 constexpr int width = 64;
 
+/// Square of the longest way of any particle along each axis, [width][3] [m2]
+using Peaks = double[3 * width];
+
 /// Particles from `start` on, `width` at most. What a particle has one of is written out for its three components, so
 /// that the loop over all components runs in vector registers.
-template <bool second, bool first> inline void block(const Spheres& p, const Step& step, int start)
+template <bool second, bool first> inline void block(const Spheres& p, const Step& step, int start, Peaks& peaks)
 {
     const int n = std::min(width, p.number - start);
     const double* __restrict mass = p.mass + start;
@@ -62,6 +66,7 @@ template <bool second, bool first> inline void block(const Spheres& p, const Ste
     double* __restrict f = p.f + 3 * start;
     double* __restrict omega = p.omega + 3 * start;
     const double* __restrict torque = p.torque + 3 * start;
+    double way[3 * width];
     const double drift = step.drift;
     for (int k = 0; k < 3 * n; ++k)
     {
@@ -76,29 +81,35 @@ template <bool second, bool first> inline void block(const Spheres& p, const Ste
         v[k] = velocity;
         omega[k] = rotation;
         if (first)
-            x[k] += (kick[k] > 0.0 ? drift : 0.0) * velocity;
+        {
+            way[k] = (kick[k] > 0.0 ? drift : 0.0) * velocity;
+            x[k] += way[k];
+        }
         else
             f[k] = kick[k] > 0.0 ? force : f[k];
     }
+    for (int k = 0; first && k < 3 * n; ++k) peaks[k] = std::max(peaks[k], way[k] * way[k]);
 }
 
 #define EVERY_PROCESSOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"), flatten))
 
-EVERY_PROCESSOR void firstHalf(const Spheres& p, const Step& step)
+EVERY_PROCESSOR void firstHalf(const Spheres& p, const Step& step, Peaks& peaks)
 {
-    for (int start = 0; start < p.number; start += width) block<false, true>(p, step, start);
+    for (int start = 0; start < p.number; start += width) block<false, true>(p, step, start, peaks);
 }
 
 /// The complete force is left in f.
-EVERY_PROCESSOR void secondHalf(const Spheres& p, const Step& step)
+EVERY_PROCESSOR void secondHalf(const Spheres& p, const Step& step, Peaks& peaks)
 {
-    for (int start = 0; start < p.number; start += width) block<true, false>(p, step, start);
+    for (int start = 0; start < p.number; start += width) block<true, false>(p, step, start, peaks);
 }
 
-EVERY_PROCESSOR void secondAndFirstHalf(const Spheres& p, const Step& step)
+EVERY_PROCESSOR void secondAndFirstHalf(const Spheres& p, const Step& step, Peaks& peaks)
 {
-    for (int start = 0; start < p.number; start += width) block<true, true>(p, step, start);
+    for (int start = 0; start < p.number; start += width) block<true, true>(p, step, start, peaks);
 }
+
+constexpr int never = std::numeric_limits<int>::max();
 
 } // namespace
 
@@ -133,6 +144,9 @@ void FixNVESphereHotbed::init()
         error->fix_error(FLERR, this, "needs 'run_style verlet'");
     ahead_ = false;
     drag_ = nullptr;
+    movesAll_ = !domain->box_change && !atom->radvary_flag;
+    for (int i = 0; i < modify->nfix; ++i)
+        movesAll_ = movesAll_ && (modify->fix[i] == this || !(modify->fmask[i] & FixConst::INITIAL_INTEGRATE));
     if (!withGravity_) return;
 
     if (modify->n_fixes_style("gravity") > 0)
@@ -175,6 +189,24 @@ void FixNVESphereHotbed::initial_integrate(int)
 {
     if (!ahead_) integrate(FIRST);
     ahead_ = false;
+    delayCheck();
+}
+
+/// LIGGGHTS looks at every particle in every step whether it is half a skin away from where the neighbour lists were
+/// built. As long as the way of the fastest one at each step is shorter, none can be.
+void FixNVESphereHotbed::delayCheck()
+{
+    if (!movesAll_ || !neighbor->dist_check) return;
+    if (neighbor->delay != never) delay_ = neighbor->delay;
+    const int mine = std::hypot(way_[0], way_[1], way_[2]) > 0.499 * neighbor->skin;
+    int any;
+    MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+    neighbor->delay = any ? delay_ : never;
+}
+
+void FixNVESphereHotbed::post_run()
+{
+    if (neighbor->delay == never) neighbor->delay = delay_;
 }
 
 void FixNVESphereHotbed::final_integrate()
@@ -185,6 +217,7 @@ void FixNVESphereHotbed::final_integrate()
 
 void FixNVESphereHotbed::integrate(Half half)
 {
+    if (half != SECOND && neighbor->ago == 0) std::fill_n(way_, 3, 0.0);
     if (atom->nlocal == 0) return;
     const bool loads = withGravity_ && half != FIRST;
     const Spheres spheres = {atom->nlocal,
@@ -199,7 +232,11 @@ void FixNVESphereHotbed::integrate(Half half)
                              atom->mask};
     const double inertia = domain->dimension == 2 ? 0.5 : 0.4; // of a disc, of a sphere, over m r^2
     const Step step = {groupbit, dtv, dtf, dtf / inertia, loads ? gravity_ : nullptr};
-    half == FIRST    ? firstHalf(spheres, step)
-    : half == SECOND ? secondHalf(spheres, step)
-                     : secondAndFirstHalf(spheres, step);
+    Peaks peaks = {};
+    half == FIRST    ? firstHalf(spheres, step, peaks)
+    : half == SECOND ? secondHalf(spheres, step, peaks)
+                     : secondAndFirstHalf(spheres, step, peaks);
+    double peak[3] = {};
+    for (int k = 0; k < 3 * width; ++k) peak[k % 3] = std::max(peak[k % 3], peaks[k]);
+    for (int a = 0; a < 3; ++a) way_[a] += std::sqrt(peak[a]);
 }

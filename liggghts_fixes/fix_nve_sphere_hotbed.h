@@ -19,6 +19,7 @@ public:
     void setup(int vflag) override;
     void initial_integrate(int vflag) override;
     void final_integrate() override;
+    void post_run() override;
 
     /// Whether the force of a fix hotbed/drag is added here, after the start of a run.
     bool addsForceOf(const Fix& drag) const { return withGravity_ && drag.igroup == igroup; }
@@ -34,6 +35,7 @@ private:
         SECOND_AND_FIRST
     };
     void integrate(Half half);
+    void delayCheck();
     bool seen() const;
 
     bool withGravity_ = false;
@@ -41,6 +43,9 @@ private:
     class FixHotbedDrag* drag_ = nullptr; ///< whose force is added here
     bool ahead_ = false;                  ///< the first half of the next step is done
     bigint stop_ = 0;                     ///< 0: no host
+    bool movesAll_ = false;               ///< nothing else moves particles or the box
+    double way_[3] = {}; ///< since neighbour lists were built, along each axis, of the fastest at each step [m]
+    int delay_ = 0;      ///< of neigh_modify
 };
 
 } // namespace LAMMPS_NS

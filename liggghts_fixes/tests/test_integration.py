@@ -1,6 +1,7 @@
 """fix nve/sphere/hotbed against LIGGGHTS' nve/sphere and gravity: the same motion, also of what is written in between, with
 the force of the gas, of a group; what it cannot do is refused."""
 
+import re
 import tempfile
 import unittest
 from pathlib import Path
@@ -45,6 +46,20 @@ class Integration(unittest.TestCase):
         for name, options in looks.items():
             with self.subTest(name):
                 np.testing.assert_array_equal(bed("", integration=OURS, **options)[0], alone)
+
+    def test_neighbour_lists_are_built_when_stock_builds_them(self):
+        def builds(integration, ranks=1, settings="", runs="run 250\nrun 250\n"):
+            _, screen = bed("", ranks, integration=integration, extra=settings, runs=runs)
+            return re.findall(r"(?:Neighbor list|Dangerous) builds = (\d+)", screen)
+
+        often = builds(INTEGRATION)
+        self.assertGreater(int(often[0]), 5)
+        for ranks in (1, 2):
+            self.assertEqual(builds(OURS, ranks), often)
+        for settings in ("neigh_modify every 7\n", "neigh_modify delay 40\n", "neigh_modify check no every 3\n",
+                         "group one id 1\nfix held one move linear 0 0 0\n"):
+            with self.subTest(settings):
+                self.assertEqual(builds(OURS, settings=settings), builds(INTEGRATION, settings=settings))
 
     def test_without_gravity_and_of_a_group(self):
         group = "group moving type 1\n"
