@@ -29,10 +29,11 @@ bool cellBox(const fvMesh& mesh, label c, Box& box)
 
 constexpr double hottest = 1e5; // [K], beyond it something is wrong
 
-/// n of the kernel of a coarse particle [m]
-double halfWidth(const CouplingSettings& settings, double radius)
+/// kernelWidth is in diameters of the coarse particle
+KernelWidth kernel(const CouplingSettings& settings)
 {
-    return 0.5 * (settings.windowLength > 0 ? settings.windowLength : settings.kernelWidth * 2.0 * radius);
+    return settings.windowLength > 0 ? KernelWidth{0.0, 0.5 * settings.windowLength}
+                                     : KernelWidth{settings.kernelWidth, 0.0};
 }
 
 /// whole registers, where it is more than one value
@@ -77,7 +78,7 @@ std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& setting
     }
     Info << "Mapping: cells of any shape, through a lattice of about " << settings.kernelSamples << "^3 boxes a cell"
          << nl;
-    return latticeOver(mesh_, settings.kernelSamples, halfWidth(settings, dem_.largestRadius()));
+    return latticeOver(mesh_, settings.kernelSamples, kernel(settings).half(dem_.largestRadius()));
 }
 
 void Coupling::refuseOutside() const
@@ -108,20 +109,9 @@ void Coupling::map()
     if (mapped_ && !dem_.moving()) return;
     {
         const auto time = timing_.measure("weights");
-        const int n = dem_.size();
-        halfWidth_.resize(n);
-        volume_.resize(n);
-        widest_ = 0.0;
-        const double* radius = dem_.radius();
-        for (int i = 0; i < n; ++i)
-        {
-            halfWidth_[i] = halfWidth(settings_, radius[i]);
-            widest_ = std::max(widest_, halfWidth_[i]);
-            volume_[i] = sphereVolume(radius[i]);
-        }
         cellValues_.assign(mesh_.nCells(), 0.0);
-        inside_ = mapping_.update({n, dem_.position(), halfWidth_.data(), volume_.data()}, cellValues_.data());
-        reduce(widest_, maxOp<double>());
+        inside_ = mapping_.update({dem_.size(), dem_.position(), dem_.radius(), kernel(settings_)}, cellValues_.data());
+        widest_ = returnReduce(mapping_.widest(), maxOp<double>());
         if (!warned_ && 2.0 * widest_ > cmptMin(mesh_.bounds().span()))
         {
             warned_ = true;

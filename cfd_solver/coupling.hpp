@@ -8,15 +8,8 @@
 #include "mapping.hpp"
 #include "timing.hpp"
 
-#include <cmath>
-
 namespace hotbed
 {
-
-inline double sphereVolume(double radius)
-{
-    return 4.0 / 3.0 * M_PI * radius * radius * radius;
-}
 
 constexpr int gasFields = 8; ///< voidage, U, rho, mu, kappa, Cp: one cache line a cell
 
@@ -101,8 +94,7 @@ private:
     bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
-    std::vector<double> halfWidth_, volume_; ///< kernel [m] and volume [m3], by particle
-    double widest_ = 0;                      ///< largest halfWidth_ over all ranks [m]
+    double widest_ = 0; ///< largest kernel's half width over all ranks [m]
     /// by particle: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay, see heatToGas
     std::vector<double> given_;
     CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)

@@ -99,8 +99,8 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
     const double* radius = dem_.radius();
     const double(*v)[3] = dem_.velocity();
     double(*lasts)[4] = dem_.lastGasStep();
-    vector received(Zero), dragReceived(Zero);
-    double exchanged = 0.0, forces[Mapping::block][3];
+    vector received(Zero), dragReceived(Zero), exchanged(Zero); // by axis: sums of their own do not wait for each other
+    double forces[Mapping::block][3];
     for (int i = first; i < first + count; ++i, read += readFields_)
     {
         const double* given = &given_[std::size_t(i) * givenFields_];
@@ -114,14 +114,14 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
             last[a] = v[i][a];
             received[a] += force[a];
             dragReceived[a] += drag;
-            exchanged += std::abs(drag);
+            exchanged[a] += std::abs(drag);
         }
         last[3] = dt;
     }
     dem_.setGasForce(first, count, forces);
     impulse_ += dt * received;
     dragReceived_ += dragReceived;
-    dragExchanged_ += exchanged;
+    dragExchanged_ += cmptSum(exchanged);
 }
 
 void Coupling::momentumMismatch()

@@ -35,19 +35,21 @@ inline int reach(const BoxAxis& axis, const double* halfWidth, AxisGroup& g)
             (x - axis.origin) * axis.inverseSpacing; // off by round-off at a face, where nothing is to have
         return int(i > 0 ? (i < last ? i : last) : 0);
     };
-#pragma omp simd
+    int most = 0;
+#pragma omp simd reduction(max : most)
     for (int i = 0; i < group; ++i)
     {
         const double low = g.x[i] - halfWidth[i], high = g.x[i] + halfWidth[i];
         g.first[i] = interval(low);
         g.count[i] = (high > front) & (low < back) ? interval(high) - g.first[i] + 1 : 0;
+        most = g.count[i] > most ? g.count[i] : most;
     }
-    if (!axis.uniform)
-        for (int i = 0; i < group; ++i)
-        {
-            g.first[i] = axis.interval(g.x[i] - halfWidth[i]);
-            if (g.count[i] > 0) g.count[i] = axis.interval(g.x[i] + halfWidth[i]) - g.first[i] + 1;
-        }
+    if (axis.uniform) return most;
+    for (int i = 0; i < group; ++i)
+    {
+        g.first[i] = axis.interval(g.x[i] - halfWidth[i]);
+        if (g.count[i] > 0) g.count[i] = axis.interval(g.x[i] + halfWidth[i]) - g.first[i] + 1;
+    }
     return *std::max_element(g.count, g.count + group);
 }
 
@@ -116,11 +118,15 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
     for (int begin = 0; begin < count; begin += group)
     {
         const int some = std::min(group, count - begin);
-        for (int i = 0; i < group; ++i) // the last group is filled up with its last particle
+        for (int i = 0; i < some; ++i)
         {
-            const int from = begin + (i < some ? i : some - 1);
-            for (int a = 0; a < 3; ++a) along[a].x[i] = position[from][a];
-            n[i] = halfWidth[from];
+            for (int a = 0; a < 3; ++a) along[a].x[i] = position[begin + i][a];
+            n[i] = halfWidth[begin + i];
+        }
+        for (int i = some; i < group; ++i) // the last group is filled up with its last particle
+        {
+            for (int a = 0; a < 3; ++a) along[a].x[i] = along[a].x[some - 1];
+            n[i] = n[some - 1];
         }
         int most[3];
         std::fill_n(within, group, 1.0);
@@ -134,13 +140,17 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
         const int y = most[0], z = y + most[1], end = z + most[2], begins[3] = {0, y, z};
         double* to = weights.room({0, y, z, end});
         for (int a = 0; a < 3; ++a) putAllMasses(axis[a], n, most[a], along[a], to + begins[a] * lanes, end * lanes);
-        BoxWeights::Particle* p = &weights.particle[before + std::size_t(begin)];
+        BoxWeights::Particle* __restrict p = &weights.particle[before + std::size_t(begin)];
+        const int row = weights.nx, layer = weights.nxy;
+#pragma omp simd
         for (int i = 0; i < some; ++i)
         {
             const int nx = along[0].count[i], ny = along[1].count[i], nz = along[2].count[i];
-            const bool reached = (nx > 0) & (ny > 0) & (nz > 0);
-            p[i].count = {reached ? nx : 0, reached ? ny : 0, reached ? nz : 0};
-            p[i].slot = along[0].first[i] + along[1].first[i] * weights.nx + along[2].first[i] * weights.nxy;
+            const int reached = (nx > 0) & (ny > 0) & (nz > 0);
+            p[i].slot = along[0].first[i] + along[1].first[i] * row + along[2].first[i] * layer;
+            p[i].count[0] = reached ? nx : 0;
+            p[i].count[1] = reached ? ny : 0;
+            p[i].count[2] = reached ? nz : 0;
             centre[begin + i] = within[i];
             mass[begin + i] = reached ? along[0].total[i] * along[1].total[i] * along[2].total[i] : 0.0;
         }

@@ -16,6 +16,13 @@ int ranksOf(MPI_Comm communicator)
     return ranks;
 }
 
+/// @param mass    kernel mass of a particle on cells
+/// @param centre  whether one of these holds its centre
+bool isInside(double mass, double centre)
+{
+    return centre > 0.0 && mass > 0.0;
+}
+
 } // namespace
 
 Mapping::Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells)
@@ -30,17 +37,17 @@ Mapping::Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells)
     receiveStart_.assign(ranks_ + 1, 0);
 }
 
-void Mapping::route(const ParticlePositions& particles)
+void Mapping::route()
 {
     sendParticle_.clear();
     std::vector<int> sendCount(ranks_, 0), receiveCount(ranks_, 0);
     for (int r = 0; r < ranks_; ++r)
     {
         const Box& box = bounds_[r];
-        for (int i = 0; i < particles.count; ++i)
+        for (int i = 0; i < particles_.count; ++i)
         {
-            const double* x = particles.position[i];
-            const double n = particles.halfWidth[i];
+            const double* x = particles_.position[i];
+            const double n = particles_.kernel.half(particles_.radius[i]);
             bool reached = true;
             for (int a = 0; a < 3; ++a) reached = reached && x[a] + n > box.low[a] && x[a] - n < box.high[a];
             if (reached && box.low[0] <= box.high[0]) sendParticle_.push_back(i);
@@ -52,56 +59,77 @@ void Mapping::route(const ParticlePositions& particles)
     std::partial_sum(receiveCount.begin(), receiveCount.end(), receiveStart_.begin() + 1);
 }
 
+/// Weights of this rank's copies, as shares of all that their particles have on any rank.
+void Mapping::weighCopies()
+{
+    route();
+    const int mine = particles_.count, n = copies();
+    std::vector<double> sent(std::size_t(mine) * 4), factor(std::size_t(mine), 0.0);
+    for (int i = 0; i < mine; ++i)
+    {
+        std::copy_n(particles_.position[i], 3, &sent[std::size_t(i) * 4]);
+        sent[std::size_t(i) * 4 + 3] = particles_.radius[i];
+    }
+    const double* copy = toCopies(4, sent.data());
+    copyPosition_.resize(std::size_t(n));
+    copyRadius_.resize(std::size_t(n));
+    std::vector<double> halfWidth(copyRadius_.size()), mass(copyRadius_.size()), centre(copyRadius_.size());
+    for (std::size_t k = 0; k < copyRadius_.size(); ++k, copy += 4)
+    {
+        std::copy_n(copy, 3, copyPosition_[k].begin());
+        copyRadius_[k] = copy[3];
+        halfWidth[k] = particles_.kernel.half(copy[3]);
+    }
+    weights_->append(n, copyPositions(nullptr), halfWidth.data(), mass.data(), centre.data());
+    std::vector<double> found(copyRadius_.size() * 2);
+    for (std::size_t k = 0; k < copyRadius_.size(); ++k)
+    {
+        found[2 * k] = mass[k];
+        found[2 * k + 1] = centre[k];
+    }
+    const double* total = toHome(2, found.data());
+    for (std::size_t i = 0; i < factor.size(); ++i, total += 2)
+    {
+        inside_[i] = isInside(total[0], total[1]);
+        if (inside_[i]) factor[i] = 1.0 / total[0];
+    }
+    weights_->scale(0, n, toCopies(1, factor.data()));
+}
+
+/// One rank: weights of the next particles; sets whether they are inside.
+void Mapping::weigh(int first, int count)
+{
+    double halfWidth[block] = {}, mass[block], centre[block];
+    for (int k = 0; k < count; ++k) halfWidth[k] = particles_.kernel.half(particles_.radius[first + k]);
+    weights_->append(count, particles_.position + first, halfWidth, mass, centre);
+    for (int k = 0; k < count; ++k)
+    {
+        inside_[std::size_t(first + k)] = isInside(mass[k], centre[k]);
+        mass[k] = inside_[std::size_t(first + k)] ? 1.0 / mass[k] : 0.0;
+    }
+    weights_->scale(first, count, mass);
+}
+
 const std::vector<char>& Mapping::update(const ParticlePositions& particles, double* volumes)
 {
-    particles_ = particles.count;
-    inside_.resize(std::size_t(particles_));
+    particles_ = particles;
+    inside_.resize(std::size_t(particles.count));
     weights_->clear();
-    const auto isInside = [&](int i, double mass, double centre)
-    { return inside_[std::size_t(i)] = centre > 0.0 && mass > 0.0; };
-    if (!direct_)
-    {
-        route(particles);
-        const std::size_t mine = std::size_t(particles_);
-        std::vector<double> sent(mine * 4), factor(mine);
-        for (int i = 0; i < particles_; ++i)
-        {
-            std::copy_n(particles.position[i], 3, &sent[std::size_t(i) * 4]);
-            sent[std::size_t(i) * 4 + 3] = particles.halfWidth[i];
-        }
-        const double* copies = toCopies(4, sent.data());
-        const std::size_t n = std::size_t(receiveStart_[ranks_]);
-        std::vector<double> halfWidth(n), mass(n), centre(n);
-        copyPosition_.resize(n);
-        for (std::size_t k = 0; k < n; ++k)
-        {
-            std::copy_n(copies + 4 * k, 3, copyPosition_[k].begin());
-            halfWidth[k] = copies[4 * k + 3];
-        }
-        weights_->append(int(n), reinterpret_cast<const double(*)[3]>(copyPosition_.data()), halfWidth.data(),
-                         mass.data(), centre.data());
-        std::vector<double> found(2 * n);
-        for (std::size_t k = 0; k < n; ++k)
-        {
-            found[2 * k] = mass[k];
-            found[2 * k + 1] = centre[k];
-        }
-        const double* total = toHome(2, found.data());
-        for (int i = 0; i < particles_; ++i, total += 2)
-            factor[std::size_t(i)] = isInside(i, total[0], total[1]) ? 1.0 / total[0] : 0.0;
-        weights_->scale(0, int(n), toCopies(1, factor.data()));
-        if (volumes) deposit(1, toCopies(1, particles.volume), volumes);
-        return inside_;
-    }
+    double largest = 0.0;
+#pragma omp simd reduction(max : largest)
+    for (int i = 0; i < particles.count; ++i) largest = particles.radius[i] > largest ? particles.radius[i] : largest;
+    widest_ = particles.count ? particles.kernel.half(largest) : 0.0;
+    if (!direct_) weighCopies();
+    const double* radius = direct_ ? particles.radius : copyRadius_.data();
     double* sums = volumes ? weights_->sums(1, volumes) : nullptr;
-    double mass[block], centre[block];
-    for (int first = 0; first < particles_; first += block)
+    double volume[block];
+    for (int first = 0; first < copies(); first += block)
     {
-        const int count = std::min(block, particles_ - first);
-        weights_->append(count, particles.position + first, particles.halfWidth + first, mass, centre);
-        for (int k = 0; k < count; ++k) mass[k] = isInside(first + k, mass[k], centre[k]) ? 1.0 / mass[k] : 0.0;
-        weights_->scale(first, count, mass);
-        if (volumes) weights_->deposit(1, first, count, particles.volume + first, sums);
+        const int count = std::min(block, copies() - first);
+        if (direct_) weigh(first, count);
+        if (!volumes) continue;
+        for (int k = 0; k < count; ++k) volume[k] = sphereVolume(radius[first + k]);
+        weights_->deposit(1, first, count, volume, sums);
     }
     if (volumes) weights_->passOn(1, volumes);
     return inside_;
@@ -152,7 +180,7 @@ const double* Mapping::toHome(int fields, const double* copies)
     if (direct_) return copies;
     sendBuffer_.resize(sendParticle_.size() * std::size_t(fields));
     exchange(fields, copies, receiveStart_, sendBuffer_.data(), sendStart_);
-    result_.assign(std::size_t(particles_) * fields, 0.0);
+    result_.assign(std::size_t(particles_.count) * fields, 0.0);
     for (std::size_t s = 0; s < sendParticle_.size(); ++s)
         for (int f = 0; f < fields; ++f)
             result_[std::size_t(sendParticle_[s]) * fields + f] += sendBuffer_[s * std::size_t(fields) + f];
@@ -171,9 +199,9 @@ void Mapping::interpolate(int fields, const double* cellValues, const Use& use)
     const double* all = direct_ ? nullptr : interpolate(fields, cellValues);
     partial_.resize(std::max(partial_.size(), std::size_t(block) * fields));
     const double* read = direct_ ? weights_->read(fields, cellValues) : nullptr;
-    for (int first = 0; first < particles_; first += block)
+    for (int first = 0; first < particles_.count; first += block)
     {
-        const int count = std::min(block, particles_ - first);
+        const int count = std::min(block, particles_.count - first);
         if (direct_) weights_->interpolate(fields, first, count, read, partial_.data());
         use(first, count, direct_ ? partial_.data() : all + std::size_t(first) * fields);
     }

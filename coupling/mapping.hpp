@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,13 +13,30 @@
 namespace hotbed
 {
 
-/// Particles of one rank as the mapping needs them. Arrays belong to the caller.
+/// @param radius  [m]
+/// @return [m3]
+inline double sphereVolume(double radius)
+{
+    return 4.0 / 3.0 * M_PI * radius * radius * radius;
+}
+
+/// Half the full window of a particle's kernel, n = perRadius * radius + length.
+struct KernelWidth
+{
+    double perRadius = 0; ///< [-]
+    double length = 0;    ///< [m]
+
+    double half(double radius) const { return perRadius * radius + length; }
+};
+
+/// Particles of one rank as the mapping needs them. Arrays belong to the caller, who does not change them before the
+/// next update.
 struct ParticlePositions
 {
     int count = 0;
     const double (*position)[3] = nullptr; ///< [m]
-    const double* halfWidth = nullptr;     ///< n of the kernel [m]
-    const double* volume = nullptr;        ///< what goes to the cells at once [m3]; none by default
+    const double* radius = nullptr;        ///< [m]
+    KernelWidth kernel;
 };
 
 /// The one mapping between particles and cells, both ways (eq 4, 8): weights w_ic of particle i and cell c with
@@ -34,18 +52,21 @@ public:
     Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells);
 
     /// Weights for new positions. Collective.
-    /// @param volumes  [cells().size()], the particles' volumes are added to, where they have any
+    /// @param volumes  [cells().size()], the particles' volumes are added to [m3], where given
     /// @return for each particle of this rank whether its centre lies in the mesh. Particles that lie outside carry
     ///         no weights: nothing is exchanged with them.
     const std::vector<char>& update(const ParticlePositions& particles, double* volumes = nullptr);
+
+    /// The largest half width of a kernel of this rank's particles [m].
+    double widest() const { return widest_; }
 
     /// What this rank has sent to others so far.
     std::int64_t bytesSent() const { return bytesSent_; }
 
     const Cells& cells() const { return *cells_; }
 
-    int particles() const { return particles_; }    ///< particles of this rank (home)
-    int copies() const { return weights_->size(); } ///< particles with weights on this rank
+    int particles() const { return particles_.count; }                               ///< particles of this rank (home)
+    int copies() const { return direct_ ? particles_.count : receiveStart_.back(); } ///< with weights on this rank
 
     /// Values of particles to their copies. Collective.
     /// @param fields   values per particle
@@ -92,7 +113,9 @@ public:
                 const Fill& fill, int sumFields, double* sums);
 
 private:
-    void route(const ParticlePositions& particles);
+    void route();
+    void weighCopies();
+    void weigh(int first, int count);
     void exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
                   const std::vector<int>& receiveStart);
 
@@ -104,11 +127,13 @@ private:
     std::vector<Box> bounds_; ///< of each rank's cells
 
     std::int64_t bytesSent_ = 0;
-    int particles_ = 0;
+    ParticlePositions particles_;
+    double widest_ = 0;
     const bool direct_;                         ///< one rank: copies are the particles themselves, nothing is packed
     std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank
     std::vector<int> sendStart_, receiveStart_; ///< by rank
     std::vector<Point> copyPosition_;           ///< on several ranks
+    std::vector<double> copyRadius_;
     std::vector<char> inside_;
     std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_, filled_;
 };

@@ -67,13 +67,19 @@ Mesh mesh(int split, bool whole)
     return m;
 }
 
+/// particles as wide as their kernels
+constexpr KernelWidth asRadius{1.0, 0.0};
+
 struct Particles
 {
     std::vector<std::array<double, 3>> x;
     std::vector<double> n;
     std::vector<int> id;
 
-    ParticlePositions view() const { return {int(x.size()), reinterpret_cast<const double(*)[3]>(x.data()), n.data()}; }
+    ParticlePositions view() const
+    {
+        return {int(x.size()), reinterpret_cast<const double(*)[3]>(x.data()), n.data(), asRadius};
+    }
 };
 
 /// the same particles whatever the number of ranks, some of them in corners, on faces and on rank boundaries
@@ -159,7 +165,7 @@ TEST(Mapping, ParticlesOutsideTheMeshAreFound)
     Mapping mapping(MPI_COMM_WORLD, std::make_unique<BoxCells>(mine.boxes, unit));
     const double x[3][3] = {{0.5, 0.5, 0.5}, {1.05, 0.5, 0.5}, {7, 7, 7}};
     const double n[3] = {0.2, 0.2, 0.2};
-    const auto inside = mapping.update({rank() == 0 ? 3 : 0, x, n});
+    const auto inside = mapping.update({rank() == 0 ? 3 : 0, x, n, asRadius});
     if (rank() == 0)
     {
         EXPECT_TRUE(inside[0]);
@@ -174,7 +180,7 @@ TEST(Mapping, KernelWiderThanTheDomainStillSumsToOne)
     Mapping mapping(MPI_COMM_WORLD, std::make_unique<BoxCells>(mine.boxes, unit));
     const double x[1][3] = {{0.3, 0.9, 0.5}};
     const double n[1] = {5.0};
-    mapping.update({rank() == 0 ? 1 : 0, x, n});
+    mapping.update({rank() == 0 ? 1 : 0, x, n, asRadius});
     const std::vector<double> one(mine.boxes.size(), 1.0);
     const double* got = mapping.interpolate(1, one.data());
     if (rank() == 0)
