@@ -58,28 +58,17 @@ inline double gunn(double voidage, double reynolds, double prandtl)
 }
 
 template <double (*law)(double, double)>
-HOTBED_VECTORISED void dragOfAll(int n, const double* __restrict voidage, const double* __restrict reynolds,
-                                 double* __restrict beta)
+HOTBED_VECTORISED void drag(int n, const double* __restrict voidage, const double* __restrict reynolds,
+                            double* __restrict beta)
 {
     for (int i = 0; i < n; ++i) beta[i] = law(voidage[i], reynolds[i]);
 }
 
 template <double (*law)(double, double, double)>
-HOTBED_VECTORISED void heatOfAll(int n, const double* __restrict voidage, const double* __restrict reynolds,
-                                 const double* __restrict prandtl, double* __restrict nusselt)
+HOTBED_VECTORISED void heat(int n, const double* __restrict voidage, const double* __restrict reynolds,
+                            const double* __restrict prandtl, double* __restrict nusselt)
 {
     for (int i = 0; i < n; ++i) nusselt[i] = law(voidage[i], reynolds[i], prandtl[i]);
-}
-
-template <double (*law)(double, double)> void drag(int n, const double* voidage, const double* reynolds, double* beta)
-{
-    dragOfAll<law>(n, voidage, reynolds, beta);
-}
-
-template <double (*law)(double, double, double)>
-void heat(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt)
-{
-    heatOfAll<law>(n, voidage, reynolds, prandtl, nusselt);
 }
 
 } // namespace

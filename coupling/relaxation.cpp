@@ -9,11 +9,9 @@ extern "C" double expm1(double) noexcept;
 
 namespace hotbed
 {
-namespace
-{
 
-HOTBED_VECTORISED void relaxationOfAll(int n, const double* __restrict stiffness, double* __restrict gain,
-                                       double* __restrict early)
+HOTBED_VECTORISED void relaxation(int n, const double* __restrict stiffness, double* __restrict gain,
+                                  double* __restrict early)
 {
     for (int i = 0; i < n; ++i)
     {
@@ -23,9 +21,9 @@ HOTBED_VECTORISED void relaxationOfAll(int n, const double* __restrict stiffness
     }
 }
 
-HOTBED_VECTORISED void boundGainOfAll(int n, const double* __restrict voidage, const double* __restrict gasDensity,
-                                      const double* __restrict particleDensity, const double* __restrict stiffness,
-                                      double* __restrict gain)
+HOTBED_VECTORISED void boundGain(int n, const double* __restrict voidage, const double* __restrict gasDensity,
+                                 const double* __restrict particleDensity, const double* __restrict stiffness,
+                                 double* __restrict gain)
 {
     for (int i = 0; i < n; ++i)
     {
@@ -37,19 +35,6 @@ HOTBED_VECTORISED void boundGainOfAll(int n, const double* __restrict voidage, c
             ((1.0 - eps) / eps + follows) * (g + mean * (gas + g * solids) / (particleDensity[i] * gasPushed));
         gain[i] = lambda > 1.5 ? g * (1.5 / lambda) : g;
     }
-}
-
-} // namespace
-
-void relaxation(int n, const double* stiffness, double* gain, double* early)
-{
-    relaxationOfAll(n, stiffness, gain, early);
-}
-
-void boundGain(int n, const double* voidage, const double* gasDensity, const double* particleDensity,
-               const double* stiffness, double* gain)
-{
-    boundGainOfAll(n, voidage, gasDensity, particleDensity, stiffness, gain);
 }
 
 } // namespace hotbed
