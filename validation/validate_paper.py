@@ -1,11 +1,12 @@
 """The paper's campaign: mean temperature and Nusselt number of a fluidised bed at every coarse-graining ratio and velocity
 against the finest one (Figs 5 and 11), and against a bed whose gas leaves at the particles' mean temperature.
 
-`./hotbed validate paper [--bed fluidized_bed] [--until T] [--quick] [--figures [FOLDER]]`: the slim bed at `l` = 1, 1.5, 2,
+`./hotbed validate paper [--bed BED] [--until T] [--quick] [--figures [FOLDER]]`: the slim bed at `l` = 1, 1.5, 2,
 2.5 for 5 s, hours; stopped runs go on. Coarse runs are repeated with a velocity that differs by a millionth: the bed is
 chaotic, and its repeats tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at
 `l` = 2 and 2.5 for 2.5 s, each run once; the bar of its Nusselt numbers comes from blocks of time. Also the figures of
-`validate fluidized_bed`, over that longer time.
+`validate fluidized_bed`, over that longer time. `--bed slim_bed_wide`: a column twice as wide and deep, at the lowest velocity,
+3 s, each run once.
 --quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s.
 
 Writes small tables, results/paper*.csv, and from them and the runs the paper's figures 2 to 12 beside the runs. --figures runs
@@ -27,11 +28,12 @@ import campaign
 import paper_figures
 import paper_tables
 import results
+import run as hotbed
 import validate_fluidized_bed
 from bed_pictures import Run
 from paraview import read_dump
-from run import read_settings
 
+WIDE = {"width": "0.04", "depth": "0.02", "cellsWidth": "32", "cellsDepth": "16", "solids": "1.25663706e-5"}
 HOT, COLD = 363.15, 293.15  # particles at the start, gas at the inlet [K]
 NUDGES = (1, 1 + 1e-6, 1 - 1e-6)  # of the velocity, for repeats
 
@@ -41,7 +43,7 @@ class Course:
     dumps, from the start on."""
 
     def __init__(self, run, times, start):
-        self.setting = {k: float(v) for k, v in read_settings(run / "settings").items()}
+        self.setting = {k: float(v) for k, v in hotbed.read_settings(run / "settings").items()}
         self.l = self.setting["l"]
         bed = results.bed(run)
         self.temperature = np.interp(times, bed["time_s"], bed["T_mean_K"])
@@ -106,18 +108,19 @@ def compare(figures, case, u0, groups, times, start):
 
 def main():
     parser = argparse.ArgumentParser(prog="hotbed validate paper", description=__doc__)
-    parser.add_argument("--bed", choices=("slim_bed", "fluidized_bed"), default="slim_bed", help="example to run")
-    parser.add_argument("--until", type=float, help="end of the runs [s] (default 5; fluidized_bed 2.5; quick 1)")
+    parser.add_argument("--bed", choices=("slim_bed", "slim_bed_wide", "fluidized_bed"), default="slim_bed", help="what to run")
+    parser.add_argument("--until", type=float, help="end of the runs [s] (default 5; slim_bed_wide 3; fluidized_bed 2.5; quick 1)")
     parser.add_argument("--ratios", nargs="+", metavar="L", help="coarse-graining ratios, the coarsest first; the finest is compared "
-                        "with (default 2.5 2 1.5 1, of fluidized_bed and quick 2.5 2)")
+                        "with (default 2.5 2 1.5 1; slim_bed_wide 2.5 2 1; fluidized_bed and quick 2.5 2)")
     parser.add_argument("--at-once", type=int, default=2, help="runs at a time, one core each (default 2)")
     parser.add_argument("--quick", action="store_true", help="l = 2 and 2.5, one velocity, 1 s")
     parser.add_argument("--figures", nargs="?", const="", metavar="FOLDER", help="run nothing, draw the paper's figures")
     options = parser.parse_args()
-    slim = options.bed == "slim_bed"
-    end = options.until or (1 if options.quick else 5 if slim else 2.5)
-    ratios = options.ratios or (["2.5", "2", "1.5", "1"] if slim and not options.quick else ["2.5", "2"])
-    velocities = ["0.2"] if options.quick else ["0.14", "0.2", "0.3"]
+    slim, wide = options.bed == "slim_bed", options.bed == "slim_bed_wide"
+    end = options.until or (1 if options.quick else 5 if slim else 3 if wide else 2.5)
+    ratios = options.ratios or (["2.5", "2"] if options.quick else ["2.5", "2", "1.5", "1"] if slim else
+                                ["2.5", "2", "1"] if wide else ["2.5", "2"])
+    velocities = ["0.2"] if options.quick else ["0.14"] if wide else ["0.14", "0.2", "0.3"]
     start = 0.4 * end if end < 5 else 2.5  # the paper leaves out its first 2.5 s
     folder = Path("results") / "paper" / (options.bed + ("-quick" if options.quick else ""))
     case = folder / "case"
@@ -129,7 +132,9 @@ def main():
             if repeat < repeats.get(l, 1)]
     settings = [{"l": l, "u0": f"{float(u0) * nudge:.9g}", "endTime": f"{end:g}", "writeInterval": "0.1"} for l, u0, nudge in plan]
     if options.figures is None:
-        shutil.copytree(ROOT / "examples" / options.bed, case, dirs_exist_ok=True)
+        shutil.copytree(ROOT / "examples" / options.bed.removesuffix("_wide"), case, dirs_exist_ok=True)
+        if wide:
+            hotbed.change_settings(case / "settings", WIDE)
         # else the particles heat the gas they start in at once, the more of it the wider their kernels
         campaign.edit(case / "0/T", rf"^internalField   uniform {COLD}", f"internalField   uniform {HOT}")
         campaign.run_all(case, folder, settings, options.at_once)
@@ -158,7 +163,7 @@ def main():
         bar = campaign.bar_of_difference(above, below) if slim else campaign.bar_from_blocks(*errors[n:n + 2])
         figures.add(f"mean Nusselt number at {fast} m/s less than at {slow} m/s, all ratios, over the bar of the difference",
                     (above.mean() - below.mean()) / bar, 1.0, f"{below.mean():.3f} and {above.mean():.3f}, bar {bar:.3f}", least=True)
-    for run in folders.values() if not slim else ():
+    for run in folders.values() if options.bed == "fluidized_bed" else ():
         validate_fluidized_bed.report(figures, run, validate_fluidized_bed.FLUIDISED)
     for what, value in paper_tables.distances(stem, HOT).items():
         figures.note(what, value)
