@@ -49,6 +49,9 @@ class Course:
         self.temperature = np.interp(times, bed["time_s"], bed["T_mean_K"])
         self.nusselt = np.interp(times, bed["time_s"], bed["Nu_mean"])
         self.nusselt_error = campaign.mean(bed, "Nu_mean", start, times[-1])[1]
+        even = np.linspace(start, times[-1], 2000)  # lines are as far apart as gas steps are long
+        self.fluctuation = np.interp(even, bed["time_s"], bed["pressure_drop_Pa"]).std()
+        self.height = np.interp(even, bed["time_s"], bed["height_m"]).mean()
         dumps = {time: read_dump(file) for time, file in sorted(Run(run).dumps.items()) if time <= times[-1] + 1e-9}
         self.dumps = list(dumps)
         self.top = [d["f_Temp"][d["z"] >= np.quantile(d["z"], 0.8)].mean() for d in dumps.values()]
@@ -94,6 +97,9 @@ def compare(figures, case, u0, groups, times, start):
         figures.add(f"u0 = {u0:g} m/s, l = {l:g} against {finest:g}: mean Nusselt number", abs(numbers[l].mean() / referenceNu - 1),
                     max(0.01, allowed), f"{numbers[l].mean():.3f} and {referenceNu:.3f}, bar {allowed:.2%}")
     for l, runs in sorted(groups.items()):
+        for what, of_runs in (("standard deviation of the pressure drop [Pa]", [c.fluctuation for c in runs]),
+                              ("mean bed height [m]", [c.height for c in runs])):
+            figures.note(f"u0 = {u0:g} m/s, l = {l:g}: {what}", np.mean(of_runs))
         tau = cooling_time(case, runs[0].setting)
         drop = (HOT - COLD) * -np.expm1(-times / tau)
         away = HOT - values[l].mean(axis=0) - drop
