@@ -37,17 +37,17 @@ Mapping::Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells)
     receiveStart_.assign(ranks_ + 1, 0);
 }
 
-void Mapping::route()
+void Mapping::route(const ParticlePositions& particles)
 {
     sendParticle_.clear();
     std::vector<int> sendCount(ranks_, 0), receiveCount(ranks_, 0);
     for (int r = 0; r < ranks_; ++r)
     {
         const Box& box = bounds_[r];
-        for (int i = 0; i < particles_.count; ++i)
+        for (int i = 0; i < particles.count; ++i)
         {
-            const double* x = particles_.position[i];
-            const double n = particles_.kernel.half(particles_.radius[i]);
+            const double* x = particles.position[i];
+            const double n = particles.kernel.half(particles.radius[i]);
             bool reached = true;
             for (int a = 0; a < 3; ++a) reached = reached && x[a] + n > box.low[a] && x[a] - n < box.high[a];
             if (reached && box.low[0] <= box.high[0]) sendParticle_.push_back(i);
@@ -60,15 +60,15 @@ void Mapping::route()
 }
 
 /// Weights of this rank's copies, as shares of all that their particles have on any rank.
-void Mapping::weighCopies()
+void Mapping::weighCopies(const ParticlePositions& particles)
 {
-    route();
-    const int mine = particles_.count, n = copies();
+    route(particles);
+    const int mine = particles.count, n = copies();
     std::vector<double> sent(std::size_t(mine) * 4), factor(std::size_t(mine), 0.0);
     for (int i = 0; i < mine; ++i)
     {
-        std::copy_n(particles_.position[i], 3, &sent[std::size_t(i) * 4]);
-        sent[std::size_t(i) * 4 + 3] = particles_.radius[i];
+        std::copy_n(particles.position[i], 3, &sent[std::size_t(i) * 4]);
+        sent[std::size_t(i) * 4 + 3] = particles.radius[i];
     }
     const double* copy = toCopies(4, sent.data());
     copyPosition_.resize(std::size_t(n));
@@ -78,7 +78,7 @@ void Mapping::weighCopies()
     {
         std::copy_n(copy, 3, copyPosition_[k].begin());
         copyRadius_[k] = copy[3];
-        halfWidth[k] = particles_.kernel.half(copy[3]);
+        halfWidth[k] = particles.kernel.half(copy[3]);
     }
     weights_->append(n, copyPositions(nullptr), halfWidth.data(), mass.data(), centre.data());
     std::vector<double> found(copyRadius_.size() * 2);
@@ -97,11 +97,11 @@ void Mapping::weighCopies()
 }
 
 /// One rank: weights of the next particles; sets whether they are inside.
-void Mapping::weigh(int first, int count)
+void Mapping::weigh(const ParticlePositions& particles, int first, int count)
 {
     double halfWidth[block] = {}, mass[block], centre[block];
-    for (int k = 0; k < count; ++k) halfWidth[k] = particles_.kernel.half(particles_.radius[first + k]);
-    weights_->append(count, particles_.position + first, halfWidth, mass, centre);
+    for (int k = 0; k < count; ++k) halfWidth[k] = particles.kernel.half(particles.radius[first + k]);
+    weights_->append(count, particles.position + first, halfWidth, mass, centre);
     for (int k = 0; k < count; ++k)
     {
         inside_[std::size_t(first + k)] = isInside(mass[k], centre[k]);
@@ -112,21 +112,21 @@ void Mapping::weigh(int first, int count)
 
 const std::vector<char>& Mapping::update(const ParticlePositions& particles, double* volumes)
 {
-    particles_ = particles;
+    particles_ = particles.count;
     inside_.resize(std::size_t(particles.count));
     weights_->clear();
     double largest = 0.0;
 #pragma omp simd reduction(max : largest)
     for (int i = 0; i < particles.count; ++i) largest = particles.radius[i] > largest ? particles.radius[i] : largest;
     widest_ = particles.count ? particles.kernel.half(largest) : 0.0;
-    if (!direct_) weighCopies();
+    if (!direct_) weighCopies(particles);
     const double* radius = direct_ ? particles.radius : copyRadius_.data();
     double* sums = volumes ? weights_->sums(1, volumes) : nullptr;
     double volume[block];
     for (int first = 0; first < copies(); first += block)
     {
         const int count = std::min(block, copies() - first);
-        if (direct_) weigh(first, count);
+        if (direct_) weigh(particles, first, count);
         if (!volumes) continue;
         for (int k = 0; k < count; ++k) volume[k] = sphereVolume(radius[first + k]);
         weights_->deposit(1, first, count, volume, sums);
@@ -180,7 +180,7 @@ const double* Mapping::toHome(int fields, const double* copies)
     if (direct_) return copies;
     sendBuffer_.resize(sendParticle_.size() * std::size_t(fields));
     exchange(fields, copies, receiveStart_, sendBuffer_.data(), sendStart_);
-    result_.assign(std::size_t(particles_.count) * fields, 0.0);
+    result_.assign(std::size_t(particles_) * fields, 0.0);
     for (std::size_t s = 0; s < sendParticle_.size(); ++s)
         for (int f = 0; f < fields; ++f)
             result_[std::size_t(sendParticle_[s]) * fields + f] += sendBuffer_[s * std::size_t(fields) + f];
@@ -199,9 +199,9 @@ void Mapping::interpolate(int fields, const double* cellValues, const Use& use)
     const double* all = direct_ ? nullptr : interpolate(fields, cellValues);
     partial_.resize(std::max(partial_.size(), std::size_t(block) * fields));
     const double* read = direct_ ? weights_->read(fields, cellValues) : nullptr;
-    for (int first = 0; first < particles_.count; first += block)
+    for (int first = 0; first < particles_; first += block)
     {
-        const int count = std::min(block, particles_.count - first);
+        const int count = std::min(block, particles_ - first);
         if (direct_) weights_->interpolate(fields, first, count, read, partial_.data());
         use(first, count, direct_ ? partial_.data() : all + std::size_t(first) * fields);
     }

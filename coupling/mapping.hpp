@@ -29,8 +29,7 @@ struct KernelWidth
     double half(double radius) const { return perRadius * radius + length; }
 };
 
-/// Particles of one rank as the mapping needs them. Arrays belong to the caller, who does not change them before the
-/// next update.
+/// Particles of one rank as the mapping needs them. Arrays belong to the caller.
 struct ParticlePositions
 {
     int count = 0;
@@ -65,8 +64,8 @@ public:
 
     const Cells& cells() const { return *cells_; }
 
-    int particles() const { return particles_.count; }                               ///< particles of this rank (home)
-    int copies() const { return direct_ ? particles_.count : receiveStart_.back(); } ///< with weights on this rank
+    int particles() const { return particles_; }                               ///< particles of this rank (home)
+    int copies() const { return direct_ ? particles_ : receiveStart_.back(); } ///< with weights on this rank
 
     /// Values of particles to their copies. Collective.
     /// @param fields   values per particle
@@ -113,9 +112,9 @@ public:
                 const Fill& fill, int sumFields, double* sums);
 
 private:
-    void route();
-    void weighCopies();
-    void weigh(int first, int count);
+    void route(const ParticlePositions& particles);
+    void weighCopies(const ParticlePositions& particles);
+    void weigh(const ParticlePositions& particles, int first, int count);
     void exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
                   const std::vector<int>& receiveStart);
 
@@ -127,7 +126,7 @@ private:
     std::vector<Box> bounds_; ///< of each rank's cells
 
     std::int64_t bytesSent_ = 0;
-    ParticlePositions particles_;
+    int particles_ = 0;
     double widest_ = 0;
     const bool direct_;                         ///< one rank: copies are the particles themselves, nothing is packed
     std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank

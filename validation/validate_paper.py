@@ -33,6 +33,11 @@ import validate_fluidized_bed
 from bed_pictures import Run
 from paraview import read_dump
 
+# bed -> (end of the runs [s], ratios, velocities [m/s])
+VELOCITIES = ["0.14", "0.2", "0.3"]
+BEDS = {"slim_bed": (5, ["2.5", "2", "1.5", "1"], VELOCITIES), "slim_bed_wide": (3, ["2.5", "2", "1"], VELOCITIES[:1]),
+        "fluidized_bed": (2.5, ["2.5", "2"], VELOCITIES)}
+QUICK = (1, ["2.5", "2"], ["0.2"])
 WIDE = {"width": "0.04", "depth": "0.02", "cellsWidth": "32", "cellsDepth": "16", "solids": "1.25663706e-5"}
 HOT, COLD = 363.15, 293.15  # particles at the start, gas at the inlet [K]
 NUDGES = (1, 1 + 1e-6, 1 - 1e-6)  # of the velocity, for repeats
@@ -114,7 +119,7 @@ def compare(figures, case, u0, groups, times, start):
 
 def main():
     parser = argparse.ArgumentParser(prog="hotbed validate paper", description=__doc__)
-    parser.add_argument("--bed", choices=("slim_bed", "slim_bed_wide", "fluidized_bed"), default="slim_bed", help="what to run")
+    parser.add_argument("--bed", choices=BEDS, default="slim_bed", help="what to run")
     parser.add_argument("--until", type=float, help="end of the runs [s] (default 5; slim_bed_wide 3; fluidized_bed 2.5; quick 1)")
     parser.add_argument("--ratios", nargs="+", metavar="L", help="coarse-graining ratios, the coarsest first; the finest is compared "
                         "with (default 2.5 2 1.5 1; slim_bed_wide 2.5 2 1; fluidized_bed and quick 2.5 2)")
@@ -122,11 +127,9 @@ def main():
     parser.add_argument("--quick", action="store_true", help="l = 2 and 2.5, one velocity, 1 s")
     parser.add_argument("--figures", nargs="?", const="", metavar="FOLDER", help="run nothing, draw the paper's figures")
     options = parser.parse_args()
-    slim, wide = options.bed == "slim_bed", options.bed == "slim_bed_wide"
-    end = options.until or (1 if options.quick else 5 if slim else 3 if wide else 2.5)
-    ratios = options.ratios or (["2.5", "2"] if options.quick else ["2.5", "2", "1.5", "1"] if slim else
-                                ["2.5", "2", "1"] if wide else ["2.5", "2"])
-    velocities = ["0.2"] if options.quick else ["0.14"] if wide else ["0.14", "0.2", "0.3"]
+    slim = options.bed == "slim_bed"
+    end, ratios, velocities = QUICK if options.quick else BEDS[options.bed]
+    end, ratios = options.until or end, options.ratios or ratios
     start = 0.4 * end if end < 5 else 2.5  # the paper leaves out its first 2.5 s
     folder = Path("results") / "paper" / (options.bed + ("-quick" if options.quick else ""))
     case = folder / "case"
@@ -139,7 +142,7 @@ def main():
     settings = [{"l": l, "u0": f"{float(u0) * nudge:.9g}", "endTime": f"{end:g}", "writeInterval": "0.1"} for l, u0, nudge in plan]
     if options.figures is None:
         shutil.copytree(ROOT / "examples" / options.bed.removesuffix("_wide"), case, dirs_exist_ok=True)
-        if wide:
+        if options.bed == "slim_bed_wide":
             hotbed.change_settings(case / "settings", WIDE)
         # else the particles heat the gas they start in at once, the more of it the wider their kernels
         campaign.edit(case / "0/T", rf"^internalField   uniform {COLD}", f"internalField   uniform {HOT}")
