@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 using namespace Foam;
 
@@ -121,8 +122,19 @@ void Coupling::map()
         }
     }
     const auto time = timing_.measure("voidage");
+    Exchange& exchange = gas_.exchange();
+    for (const label c : reached_)
+    {
+        exchange.drag[c] = exchange.passedOn[c] = exchange.conductance[c] = exchange.heatSource[c] = 0.0;
+        exchange.dragSource[c] = Zero;
+    }
+    reached_.clear();
     volScalarField& voidage = gas_.voidage();
-    for (label c = 0; c < mesh_.nCells(); ++c) voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
+    for (label c = 0; c < mesh_.nCells(); ++c)
+    {
+        voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
+        if (cellValues_[c] > 0.0) reached_.push_back(c);
+    }
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
         FatalErrorInFunction << "the voidage of a cell is " << least << ": the particles overlap too much, or "
@@ -142,7 +154,7 @@ void Coupling::particlesToGas()
     const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), Cp = thermo.Cp();
     const scalarField& alpha = thermo.alpha(); // kappa/Cp
     cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (const label c : reached_)
     {
         double* f = &cellValues_[std::size_t(c) * gasFields];
         f[0] = voidage[c];
@@ -169,7 +181,8 @@ void Coupling::particlesToGas()
         gas_.exchange().reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
     }
     given_.resize(std::size_t(dem_.size()) * givenFields_);
-    cellSums_.assign(std::size_t(mesh_.nCells()) * sumFields_, 0.0);
+    cellSums_.resize(std::size_t(mesh_.nCells()) * sumFields_);
+    for (const label c : reached_) std::fill_n(&cellSums_[std::size_t(c) * sumFields_], sumFields_, 0.0);
     const NoTraps guard;
     mapping_.answer(
         gasFields, cellValues_.data(),
@@ -181,8 +194,18 @@ void Coupling::particlesToGas()
         givenFields_, given_.data(),
         [this](int first, int count, const double* given, double* sums) { fill(first, count, given, sums); },
         sumFields_, cellSums_.data());
-    dragToGas();
-    if (heat_) heatToGas();
+    if (heat_)
+    {
+        temperatureBefore_ = gas_.T().primitiveField();
+        specificHeat_ = Cp().primitiveField();
+        early_.resize(mesh_.nCells());
+    }
+    inBlocks(
+        [this](const label* cell, const label* end)
+        {
+            dragToGas(cell, end);
+            if (heat_) heatToGas(cell, end);
+        });
 }
 
 /// What copies of particles add to the sums of their cells, from what they give.
@@ -253,8 +276,23 @@ void Coupling::gasToParticles()
     if (!push_ && !heat_) return;
     const auto time = timing_.measure("to particles");
     cellValues_.resize(std::size_t(mesh_.nCells()) * readFields_);
-    if (push_) momentumInCells();
-    if (heat_) heatInCells();
+    impulse_ = dragReceived_ = Zero;
+    dragExchanged_ = heatExchanged_ = heatReceived_ = 0.0;
+    tmp<volVectorField> slope;
+    if (heat_ && settings_.temperatureGradient)
+    {
+        slope = fvc::grad(gas_.thermo().he());
+        temperatures_ = scalarMinMax();
+        for (const scalarField* field :
+             {&gas_.exchangeTemperature(), &std::as_const(temperatureBefore_), &gas_.T().primitiveField()})
+            temperatures_ += gMinMax(*field);
+    }
+    inBlocks(
+        [&](const label* cell, const label* end)
+        {
+            if (push_) momentumInCells(cell, end);
+            if (heat_) heatInCells(cell, end, slope ? &slope() : nullptr);
+        });
     mapping_.interpolate(readFields_, cellValues_.data(),
                          [this](int first, int count, const double* read)
                          {

@@ -65,13 +65,22 @@ private:
     void fill(int first, int count, const double* given, double* sums) const;
     void dragOn(int first, int count, const double* gas, const double* B);
     void heatOn(int first, int count, const double* conductance);
-    // by cell, before the step of the gas
-    void dragToGas();
-    void heatToGas();
+    /// Cells that particles reach, so many at a time that what is known of them stays in the cache from one use to the
+    /// next. @param use  called with the first and the end of each block
+    template <class Use> void inBlocks(const Use& use) const
+    {
+        constexpr std::size_t block = 256;
+        const Foam::label* cells = reached_.data();
+        for (std::size_t first = 0; first < reached_.size(); first += block)
+            use(cells + first, cells + std::min(first + block, reached_.size()));
+    }
+    // blocks of cells, before the step of the gas
+    void dragToGas(const Foam::label* cell, const Foam::label* end);
+    void heatToGas(const Foam::label* cell, const Foam::label* end);
     // after it: what the particles read, by cell; blocks of particles, `read` is [count][readFields_]; what is left
     // over
-    void momentumInCells();
-    void heatInCells();
+    void momentumInCells(const Foam::label* cell, const Foam::label* end);
+    void heatInCells(const Foam::label* cell, const Foam::label* end, const Foam::volVectorField* slope);
     void momentumToParticles(int first, int count, const double* read);
     void heatToParticles(int first, int count, const double* read);
     void momentumMismatch();
@@ -94,13 +103,15 @@ private:
     bool mapped_ = false, warned_ = false;
     std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
-    double widest_ = 0; ///< largest kernel's half width over all ranks [m]
+    std::vector<Foam::label> reached_; ///< cells in which particles weigh; the others' values are not kept up to date
+    double widest_ = 0;                ///< largest kernel's half width over all ranks [m]
     /// by particle: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay, see heatToGas
     std::vector<double> given_;
     CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)
     CellValues cellValues_;     ///< what is read or summed up just now
     std::vector<double> early_; ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
-    Foam::scalarField temperatureBefore_;
+    Foam::scalarField temperatureBefore_, specificHeat_; ///< of the gas, before its step
+    Foam::scalarMinMax temperatures_;                    ///< of the gas, before and after its step
     double heatExchanged_ = 0;
     Foam::vector impulse_ = Foam::Zero, dragReceived_ = Foam::Zero; ///< [N s], [N]
     double dragExchanged_ = 0, heatReceived_ = 0;                   ///< sum of absolute values [N]; sum [J]

@@ -3,8 +3,6 @@
 #include "relaxation.hpp"
 #include "vectorised.hpp"
 
-#include <utility>
-
 using namespace Foam;
 
 namespace hotbed
@@ -31,46 +29,40 @@ HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const double* cond
     }
 }
 
-void Coupling::heatToGas()
+void Coupling::heatToGas(const label* cell, const label* end)
 {
     const double dt = mesh_.time().deltaTValue();
     Exchange& exchange = gas_.exchange();
-    temperatureBefore_ = gas_.T().primitiveField();
-    const scalarField capacity(gas_.heatCapacity());
-    early_.resize(mesh_.nCells());
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (; cell != end; ++cell)
     {
+        const label c = *cell;
         const double* sum = &cellSums_[std::size_t(c) * sumFields_ + std::size_t(heatAt_)];
         const double G = sum[0], X = sum[1];
-        early_[c] = X > 0.0 ? std::min(1.0, capacity[c] / dt * (sum[3] / G) / X) : 0.0;
+        const double capacity = gas_.mass()[c] * specificHeat_[c] * mesh_.V()[c];
+        early_[c] = X > 0.0 ? std::min(1.0, capacity / dt * (sum[3] / G) / X) : 0.0;
         exchange.conductance[c] = G - early_[c] * X;
         exchange.heatSource[c] = sum[2] - early_[c] * X * (temperatureBefore_[c] - exchange.reference);
     }
 }
 
-void Coupling::heatInCells()
+/// The gas temperature at the particle rather than at its cells: a linear profile about the exchange-weighted centre of
+/// the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the range of the
+/// gas. Without it the kernel spreads heat fronts like a conduction that grows with l.
+/// @param slope  gradient of the gas enthalpy, null: the temperature of the cells
+void Coupling::heatInCells(const label* cell, const label* end, const volVectorField* slope)
 {
     const scalarField& T = gas_.exchangeTemperature();
     const Exchange& exchange = gas_.exchange();
-
-    // The gas temperature at the particle rather than at its cells: a linear profile about the exchange-weighted
-    // centre of the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the
-    // range of the gas. Without it the kernel spreads heat fronts like a conduction that grows with l.
-    const tmp<volVectorField> slope = settings_.temperatureGradient ? fvc::grad(gas_.T()) : nullptr;
-    scalarMinMax range;
-    if (slope)
-        for (const scalarField* field : {&T, &std::as_const(temperatureBefore_), &gas_.T().primitiveField()})
-            range += gMinMax(*field);
-
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (; cell != end; ++cell)
     {
+        const label c = *cell;
         const double* sum = &cellSums_[std::size_t(c) * sumFields_ + std::size_t(heatAt_)];
         double* f = &cellValues_[std::size_t(c) * readFields_ + std::size_t(readHeatAt_)];
         f[0] = T[c] - exchange.reference;
         f[1] = f[2] = f[3] = 0.0;
         f[4] = early_[c] * (temperatureBefore_[c] - T[c]);
         if (!slope || !(sum[0] > 0.0)) continue;
-        vector gradient = slope()[c];
+        vector gradient = (*slope)[c] / specificHeat_[c];
         const vector centre = vector(sum[4], sum[5], sum[6]) / sum[0];
         scalar change = 0.0; // the most that a particle of this cell can be off its reading
         for (int a = 0; a < 3; ++a)
@@ -78,7 +70,8 @@ void Coupling::heatInCells()
         // what a particle sees on average over the step lies between T and, where `early` is all of half the gain,
         // the middle between before and after: no reading may leave the range from either
         const scalar middle = T[c] + 0.5 * f[4];
-        const scalar room = max(min(min(T[c], middle) - range.min(), range.max() - max(T[c], middle)), 0.0);
+        const scalar room =
+            max(min(min(T[c], middle) - temperatures_.min(), temperatures_.max() - max(T[c], middle)), 0.0);
         if (change > room) gradient *= room / change;
         for (int a = 0; a < 3; ++a)
         {
@@ -86,7 +79,6 @@ void Coupling::heatInCells()
             f[1 + a] = gradient[a];
         }
     }
-    heatExchanged_ = heatReceived_ = 0.0;
 }
 
 HOTBED_VECTORISED void Coupling::heatToParticles(int first, int count, const double* read)
@@ -116,7 +108,7 @@ void Coupling::heatMismatch()
     const Exchange& exchange = gas_.exchange();
     const double dt = mesh_.time().deltaTValue();
     double mismatch = heatReceived_;
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (const label c : reached_)
         mismatch += dt * (exchange.heatSource[c] - exchange.conductance[c] * (T[c] - exchange.reference));
     reduce(mismatch, sumOp<double>());
     mismatch_ = std::max(mismatch_, relative(std::abs(mismatch), heatExchanged_));

@@ -61,11 +61,12 @@ HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const double* gas,
     }
 }
 
-void Coupling::dragToGas()
+void Coupling::dragToGas(const label* cell, const label* end)
 {
     Exchange& exchange = gas_.exchange();
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (; cell != end; ++cell)
     {
+        const label c = *cell;
         const double* sum = &cellSums_[std::size_t(c) * sumFields_];
         exchange.drag[c] = sum[0];
         if (!push_) continue;
@@ -74,12 +75,13 @@ void Coupling::dragToGas()
     }
 }
 
-void Coupling::momentumInCells()
+void Coupling::momentumInCells(const label* cell, const label* end)
 {
     const vectorField& U = gas_.U();
     const vectorField& gradient = gas_.pressureGradient();
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (; cell != end; ++cell)
     {
+        const label c = *cell;
         double* read = &cellValues_[std::size_t(c) * readFields_];
         for (int a = 0; a < 3; ++a)
         {
@@ -87,8 +89,6 @@ void Coupling::momentumInCells()
             read[3 + a] = gradient[c][a];
         }
     }
-    impulse_ = dragReceived_ = Zero;
-    dragExchanged_ = 0.0;
 }
 
 /// Force of the gas, constant over the DEM steps of the gas step: the drag that the gas equation used, with the gas
@@ -130,7 +130,7 @@ void Coupling::momentumMismatch()
     const vectorField& gradient = gas_.pressureGradient();
     const Exchange& exchange = gas_.exchange();
     vector dragGiven(Zero);
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (const label c : reached_)
         dragGiven += exchange.drag[c] * U[c] - exchange.dragSource[c] + exchange.passedOn[c] * gradient[c];
     reduce(impulse_, sumOp<vector>());
     mismatch_ = relative(mag(returnReduce(vector(dragGiven - dragReceived_), sumOp<vector>())),

@@ -26,6 +26,26 @@ IOobject gravityFile(const fvMesh& mesh)
     return IOobject("g", mesh.time().constant(), mesh, IOobject::MUST_READ, IOobject::NO_WRITE);
 }
 
+template <class Type> using CellField = GeometricField<Type, fvPatchField, volMesh>;
+
+/// Implicit diffusion as if all lines between cell centres were at right angles to the faces.
+template <class Type>
+tmp<fvMatrix<Type>> straightLaplacian(const surfaceScalarField& gamma, const CellField<Type>& field)
+{
+    const fvMesh& mesh = field.mesh();
+    fv::gaussLaplacianScheme<Type, scalar> scheme(mesh,
+                                                  tmp<surfaceInterpolationScheme<scalar>>(new linear<scalar>(mesh)),
+                                                  tmp<fv::snGradScheme<Type>>(new fv::uncorrectedSnGrad<Type>(mesh)));
+    return scheme.fvmLaplacian(gamma, field);
+}
+
+/// By the dictionary's scheme where it has anything to correct.
+template <class Type>
+tmp<fvMatrix<Type>> laplacian(const surfaceScalarField& gamma, const CellField<Type>& field, bool oblique)
+{
+    return oblique ? fvm::laplacian(gamma, field) : straightLaplacian(gamma, field);
+}
+
 } // namespace
 
 Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
@@ -126,13 +146,17 @@ void Gas::momentum()
     transposedStress_ = Zero;
     forAll(transposed.boundaryField(), patch) if (!mesh_.boundary()[patch].coupled()) transposedStress_ +=
         sum(mesh_.Sf().boundaryField()[patch] & transposed.boundaryField()[patch]);
-    UEqn_ = fvm::ddt(mass_, U_) + fvm::div(phi_, U_) - fvm::laplacian(viscosity_(), U_) -
+    UEqn_ = fvm::ddt(mass_, U_) + fvm::div(phi_, U_) - laplacian(fvc::interpolate(viscosity_()), U_, oblique_) -
             fvc::div(transposed, "div((muEff*dev2(T(grad(U)))))");
     fvVectorMatrix& UEqn = UEqn_.ref();
     UEqn.diag() += exchange_.drag;
     UEqn.source() += exchange_.dragSource;
     if (mag(g_.value()) > 0) UEqn.source() += mass_.primitiveField() * g_.value() * mesh_.V();
     UEqn.relax();
+
+    rAU_.reset(new volScalarField("rAU", 1.0 / UEqn.A()));
+    yield_.reset(new surfaceScalarField("yield", fvc::interpolate(pressureShare_ * rAU_())));
+    fluxMemory_.reset(new surfaceScalarField("fluxMemory", fvc::interpolate(rAU_()) * fvc::ddtCorr(mass_, U_, phi_)));
 
     if (pimple_.momentumPredictor()) solve(UEqn == -pressureShare_ * pressureGradient_());
 }
@@ -142,15 +166,13 @@ void Gas::pressure()
     const auto time = timing_.measure("gas: pressure equation");
     rho_ = thermo_->rho();
     const volScalarField psip0(thermo_->psi() * p_);
-    fvVectorMatrix& UEqn = UEqn_.ref();
-    const volScalarField rAU("rAU", 1.0 / UEqn.A());
-    const volVectorField HbyA(constrainHbyA(rAU * UEqn.H(), U_, p_));
+    const volScalarField& rAU = rAU_();
+    const volVectorField HbyA(constrainHbyA(rAU * UEqn_->H(), U_, p_));
     const volScalarField mass(voidage_ * rho_);
     const surfaceScalarField massf(fvc::interpolate(mass));
-    const surfaceScalarField rAUf("rAUf", massf * fvc::interpolate(pressureShare_ * rAU));
+    const surfaceScalarField rAUf("rAUf", massf * yield_());
 
-    surfaceScalarField phiHbyA("phiHbyA",
-                               massf * fvc::flux(HbyA) + massf * fvc::interpolate(rAU) * fvc::ddtCorr(mass_, U_, phi_));
+    surfaceScalarField phiHbyA("phiHbyA", massf * (fvc::flux(HbyA) + fluxMemory_()));
     constrainPressure(p_, mass, U_, phiHbyA, rAUf);
 
     const dimensionedScalar rDeltaT = 1.0 / mesh_.time().deltaT();
@@ -158,7 +180,7 @@ void Gas::pressure()
     const volScalarField storage((mass - mass_.oldTime()) * rDeltaT - compressibility * p_);
     while (pimple_.correctNonOrthogonal())
     {
-        fvScalarMatrix pEqn(fvm::Sp(compressibility, p_) + storage + fvc::div(phiHbyA) - fvm::laplacian(rAUf, p_));
+        fvScalarMatrix pEqn(fvm::Sp(compressibility, p_) + storage + fvc::div(phiHbyA) - laplacian(rAUf, p_, oblique_));
         pEqn.setReference(pressureCell_, pressureValue_);
         pEqn.solve(mesh_.solver(p_.select(pimple_.finalInnerIter())));
         if (pimple_.finalNonOrthogonalIter()) phi_ = phiHbyA + pEqn.flux();
@@ -285,10 +307,7 @@ void Gas::energy()
     const fv::gaussConvectionScheme<scalar> convection(
         mesh_, phi_, tmp<surfaceInterpolationScheme<scalar>>(new upwind<scalar>(mesh_, phi_)));
     const surfaceScalarField conduction(fvc::interpolate(alpha()));
-    fv::gaussLaplacianScheme<scalar, scalar> straight(
-        mesh_, tmp<surfaceInterpolationScheme<scalar>>(new linear<scalar>(mesh_)),
-        tmp<fv::snGradScheme<scalar>>(new fv::uncorrectedSnGrad<scalar>(mesh_)));
-    fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - straight.fvmLaplacian(conduction, h));
+    fvScalarMatrix hEqn(fvm::ddt(mass_, h) + convection.fvmDiv(phi_, h) - straightLaplacian(conduction, h));
     hEqn.diag() += implicitPart;
     hEqn.source() += exchange_.heatSource - exchange_.conductance * (T0 - exchange_.reference) + implicitPart * h0;
     hEqn.solve(mesh_.solver(h.select(pimple_.finalInnerIter())));
@@ -342,11 +361,6 @@ vector Gas::momentumInflow() const
     force += g_.value() * sum(mass_.primitiveField() * mesh_.V());
     reduce(force, sumOp<vector>());
     return force * mesh_.time().deltaTValue();
-}
-
-tmp<scalarField> Gas::heatCapacity() const
-{
-    return mass_.primitiveField() * thermo_->Cp()->primitiveField() * mesh_.V();
 }
 
 scalar Gas::pressureDrop() const

@@ -32,6 +32,7 @@ public:
 
     Foam::volScalarField& voidage() { return voidage_; }
     const Foam::volVectorField& U() const { return U_; }
+    const Foam::scalarField& mass() const { return mass_; } ///< voidage * rho [kg/m3]
     const Foam::volScalarField& T() const { return thermo_->T(); }
     const Foam::fluidThermo& thermo() const { return *thermo_; }
     const Foam::volVectorField& pressureGradient() const { return *pressureGradient_; }
@@ -47,9 +48,6 @@ public:
     /// Temperature of each cell as the exchange of the last step saw it [K]: the end of the step, with the heat
     /// capacity at its start (the same as T() where that is constant).
     const Foam::scalarField& exchangeTemperature() const { return exchangeTemperature_; }
-
-    /// voidage * rho * c_p * V of each cell at the start of the step [J/K].
-    Foam::tmp<Foam::scalarField> heatCapacity() const;
 
     /// Mean pressure of the patches through which more gas enters than leaves, less that of the others [Pa]; 0 without
     /// both.
@@ -91,6 +89,10 @@ private:
 
     Exchange exchange_;
     Foam::tmp<Foam::fvVectorMatrix> UEqn_;
+    // of the momentum equation, the same for all its pressure corrections
+    Foam::autoPtr<Foam::volScalarField> rAU_;            ///< 1/A [m3 s/kg]
+    Foam::autoPtr<Foam::surfaceScalarField> yield_;      ///< what a pressure gradient moves: pressureShare/A
+    Foam::autoPtr<Foam::surfaceScalarField> fluxMemory_; ///< from the last step's flux being not that of its U [m3/s]
     Foam::autoPtr<Foam::volVectorField> pressureGradient_;
     Foam::autoPtr<Foam::volScalarField> viscosity_;        ///< voidage * mu, with turbulence [Pa s]
     Foam::vector transposedStress_;                        ///< force on this rank's boundary by mu dev2(grad U^T) [N]
