@@ -48,7 +48,7 @@ void Coupling::heatToGas(const label* cell, const label* end)
 /// The gas temperature at the particle rather than at its cells: a linear profile about the exchange-weighted centre of
 /// the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the range of the
 /// gas. Without it the kernel spreads heat fronts like a conduction that grows with l.
-/// @param slope  gradient of the gas enthalpy, null: the temperature of the cells
+/// @param slope  gradient of the gas enthalpy, which the convection scheme has made; null: the temperature of the cells
 void Coupling::heatInCells(const label* cell, const label* end, const volVectorField* slope)
 {
     const scalarField& T = gas_.exchangeTemperature();
