@@ -279,19 +279,19 @@ void Coupling::gasToParticles()
     impulse_ = dragReceived_ = Zero;
     dragExchanged_ = heatExchanged_ = heatReceived_ = 0.0;
     tmp<volVectorField> slope;
+    scalarMinMax range;
     if (heat_ && settings_.temperatureGradient)
     {
         slope = fvc::grad(gas_.thermo().he());
-        temperatures_ = scalarMinMax();
         for (const scalarField* field :
              {&gas_.exchangeTemperature(), &std::as_const(temperatureBefore_), &gas_.T().primitiveField()})
-            temperatures_ += gMinMax(*field);
+            range += gMinMax(*field);
     }
     inBlocks(
         [&](const label* cell, const label* end)
         {
             if (push_) momentumInCells(cell, end);
-            if (heat_) heatInCells(cell, end, slope ? &slope() : nullptr);
+            if (heat_) heatInCells(cell, end, slope ? &slope() : nullptr, range);
         });
     mapping_.interpolate(readFields_, cellValues_.data(),
                          [this](int first, int count, const double* read)

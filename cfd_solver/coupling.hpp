@@ -8,6 +8,8 @@
 #include "mapping.hpp"
 #include "timing.hpp"
 
+#include <algorithm>
+
 namespace hotbed
 {
 
@@ -80,7 +82,8 @@ private:
     // after it: what the particles read, by cell; blocks of particles, `read` is [count][readFields_]; what is left
     // over
     void momentumInCells(const Foam::label* cell, const Foam::label* end);
-    void heatInCells(const Foam::label* cell, const Foam::label* end, const Foam::volVectorField* slope);
+    void heatInCells(const Foam::label* cell, const Foam::label* end, const Foam::volVectorField* slope,
+                     const Foam::scalarMinMax& range);
     void momentumToParticles(int first, int count, const double* read);
     void heatToParticles(int first, int count, const double* read);
     void momentumMismatch();
@@ -111,7 +114,6 @@ private:
     CellValues cellValues_;     ///< what is read or summed up just now
     std::vector<double> early_; ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_, specificHeat_; ///< of the gas, before its step
-    Foam::scalarMinMax temperatures_;                    ///< of the gas, before and after its step
     double heatExchanged_ = 0;
     Foam::vector impulse_ = Foam::Zero, dragReceived_ = Foam::Zero; ///< [N s], [N]
     double dragExchanged_ = 0, heatReceived_ = 0;                   ///< sum of absolute values [N]; sum [J]

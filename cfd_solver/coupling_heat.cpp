@@ -49,7 +49,8 @@ void Coupling::heatToGas(const label* cell, const label* end)
 /// the particles of the cell, so that nothing changes for the gas, limited so that no reading leaves the range of the
 /// gas. Without it the kernel spreads heat fronts like a conduction that grows with l.
 /// @param slope  gradient of the gas enthalpy, which the convection scheme has made; null: the temperature of the cells
-void Coupling::heatInCells(const label* cell, const label* end, const volVectorField* slope)
+/// @param range  of the gas temperature before and after its step, all cells
+void Coupling::heatInCells(const label* cell, const label* end, const volVectorField* slope, const scalarMinMax& range)
 {
     const scalarField& T = gas_.exchangeTemperature();
     const Exchange& exchange = gas_.exchange();
@@ -70,8 +71,7 @@ void Coupling::heatInCells(const label* cell, const label* end, const volVectorF
         // what a particle sees on average over the step lies between T and, where `early` is all of half the gain,
         // the middle between before and after: no reading may leave the range from either
         const scalar middle = T[c] + 0.5 * f[4];
-        const scalar room =
-            max(min(min(T[c], middle) - temperatures_.min(), temperatures_.max() - max(T[c], middle)), 0.0);
+        const scalar room = max(min(min(T[c], middle) - range.min(), range.max() - max(T[c], middle)), 0.0);
         if (change > room) gradient *= room / change;
         for (int a = 0; a < 3; ++a)
         {
