@@ -169,12 +169,13 @@ template <bool friction> inline void enter(ContactRows& rows, int row, const Con
     rows.load[row] = Load{};
 }
 
-/// Adds what a row has got to its particle.
-template <bool friction> inline void leave(const Load& load, const ContactParticles& particles, int i)
+/// Gives what a row has got to its particle.
+template <bool friction> inline void leave(const Load& load, const ContactParticles& particles, int i, bool add)
 {
-    for (int a = 0; a < 3; ++a) particles.force[i][a] += load.force[a];
-    if (!friction) return;
-    for (int a = 0; a < 3; ++a) particles.torque[i][a] += load.torque[a];
+    double *force = particles.force[i], *torque = particles.torque[i];
+    for (int a = 0; a < 3; ++a) force[a] = add ? force[a] + load.force[a] : load.force[a];
+    if (!friction && add) return;
+    for (int a = 0; a < 3; ++a) torque[a] = add ? torque[a] + load.torque[a] : load.torque[a];
 }
 
 template <bool friction>
@@ -198,8 +199,9 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
             law<friction>(batch, step.timestep);
             scatter<friction>(batch, rows.load.data());
         }
-        for (; left < block.left; ++left) leave<friction>(rows.load[left & mask], particles, left);
+        for (; left < block.left; ++left) leave<friction>(rows.load[left & mask], particles, left, step.add);
     }
+    for (; !step.add && left < particles.local; ++left) leave<friction>(Load{}, particles, left, false); // of no pair
 }
 
 inline void forces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)

@@ -55,7 +55,7 @@ struct ContactParticles
     const double (*omega)[3];
     const double* radius;
     const double* mass;
-    double (*force)[3]; ///< added to, of local particles: a ghost's are those of its owner's rank
+    double (*force)[3]; ///< of local particles: a ghost's are those of its owner's rank
     double (*torque)[3];
 };
 
@@ -64,6 +64,7 @@ struct ContactStep
     const ContactConstants* constants;
     bool oneConstants; ///< the same for all pairs
     bool friction;     ///< false: normal forces only
+    bool add;          ///< to forces and torques that are there; false: these are set, also those of no pair
     double timestep;
     double parted; ///< squared distance over squared sum of radii up to which a spring ends
     int** flag;    ///< LIGGGHTS' contact flags and history of the pairs of each particle i

@@ -4,6 +4,7 @@
 
 #include "contact_constants.hpp"
 #include "contact_time.hpp"
+#include "integrate.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -19,6 +20,39 @@ namespace
 
 constexpr int flagBits =
     LIGGGHTS::ContactModels::CONTACT_NORMAL_MODEL | LIGGGHTS::ContactModels::CONTACT_TANGENTIAL_MODEL;
+
+/// Whether the integrator leaves the forces of the last step to be replaced; protected in LIGGGHTS.
+struct Clearing : Integrate
+{
+    static int& byPairs(Integrate& integrate) { return integrate.*&Clearing::external_force_clear; }
+};
+
+/// Whether nothing is added to the forces before those of the pairs in a step. Of LIGGGHTS' fixes that do something
+/// before them, these only make lists and properties.
+bool pairsAreFirst(const LAMMPS& lmp, const PairGran* pair)
+{
+    const auto harmless = [](const std::string& style)
+    {
+        for (const char* known : {"wall/gran", "mesh/", "contacthistory/mesh", "neighlist/mesh", "heat/", "hotbed/"})
+            if (style.rfind(known, 0) == 0) return true;
+        return false;
+    };
+    if (lmp.force->pair != pair || lmp.neighbor->includegroup || lmp.atom->erforce_flag || lmp.atom->e_flag ||
+        lmp.atom->rho_flag || lmp.cuda)
+        return false;
+    for (int i = 0; i < lmp.modify->nfix; ++i)
+        if (lmp.modify->fmask[i] & FixConst::PRE_FORCE && !harmless(lmp.modify->fix[i]->style)) return false;
+    return true;
+}
+
+/// What the integrator does before the forces of a step.
+void clearForces(const Atom& atom)
+{
+    const std::size_t all = std::size_t(atom.nlocal + atom.nghost) * 3;
+    if (all == 0) return;
+    std::fill_n(atom.f[0], all, 0.0);
+    std::fill_n(atom.torque[0], all, 0.0);
+}
 
 } // namespace
 
@@ -53,7 +87,7 @@ ContactParticles contactParticles(const Atom& atom)
 }
 
 VectorisedPair::VectorisedPair(LAMMPS* lmp, PairGran* parent, int64_t hash)
-    : PlainPair(lmp, parent, hash), lmp_(*lmp), offset_(get_history_offset("hotbed_spring"))
+    : PlainPair(lmp, parent, hash), lmp_(*lmp), parent_(parent), offset_(get_history_offset("hotbed_spring"))
 {
 }
 
@@ -67,6 +101,8 @@ void VectorisedPair::init_granular()
 {
     PlainPair::init_granular();
     stale_ = true;
+    first_ = pairsAreFirst(lmp_, parent_);
+    Clearing::byPairs(*lmp_.update->integrate) = false;
 
     // the fixes are those that the plain loop asks about each contact
     Modify& modify = *lmp_.modify;
@@ -148,12 +184,19 @@ void VectorisedPair::checkTimestep()
 void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int addflag)
 {
     if (lmp_.neighbor->ago == 0) checkTimestep(); // particles may have been added
+    int& cleared = Clearing::byPairs(*lmp_.update->integrate);
     if (plain_ || !forcesOnly(*pair, eflag, vflag, addflag))
     {
+        if (cleared && pair->computeflag())
+        {
+            clearForces(*lmp_.atom);
+            cleared = false;
+        }
         stale_ = true; // the flags change without our knowing
         PlainPair::compute_force(pair, eflag, vflag, addflag);
         return;
     }
+    cleared = first_ && lmp_.update->ntimestep != lmp_.update->laststep; // another pair_style may follow
     pair->evflag = pair->vflag_fdotr = 0;
     if (stale_ || lmp_.neighbor->ago == 0) takeList(*pair);
 
@@ -162,6 +205,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.constants = constants_.data();
     step.oneConstants = constants_.size() == 1;
     step.friction = friction_;
+    step.add = !first_;
     step.timestep = lmp_.update->dt;
     step.parted = lmp_.neighbor->contactDistanceFactor * lmp_.neighbor->contactDistanceFactor;
     step.flag = pair->listgranhistory->firstneigh;

@@ -43,12 +43,14 @@ private:
     void checkTimestep();
 
     LAMMPS_NS::LAMMPS& lmp_;
+    LAMMPS_NS::PairGran* const parent_;
     const int offset_;    ///< of the spring in a pair's history
     bool enabled_ = true; ///< by the script
     bool plain_ = false;  ///< all steps take the plain loop
     bool friction_ = true;
     bool warned_ = false;
-    bool stale_ = true; ///< pairs_ is not the present neighbour list
+    bool stale_ = true;  ///< pairs_ is not the present neighbour list
+    bool first_ = false; ///< nothing adds to the forces of a step before: they are set, not added to
     std::vector<ContactConstants> constants_;
     ContactPairs pairs_;
     ContactRows rows_;

@@ -80,15 +80,16 @@ struct Column
     }
 
     /// Forces of some steps at the same places: the springs grow.
-    void steps()
+    /// @param add  to what is there
+    void steps(int count = 3, bool add = true)
     {
         const ContactConstants constants = {{500.0, 1e-3, 0.0, 0.1}, {150.0, 1e-3, 0.0, 1.0 / 150.0}};
-        const ContactStep step = {&constants, true, true, 1e-5, 1.01 * 1.01, flag.data(), history.data(), 3, 3, 0};
+        const ContactStep step = {&constants, true, true, add, 1e-5, 1.01 * 1.01, flag.data(), history.data(), 3, 3, 0};
         const auto rows = [](std::vector<double>& values) { return reinterpret_cast<double(*)[3]>(values.data()); };
         const ContactParticles particles = {number,        number + ghosts, rows(x),     rows(v),     rows(omega),
                                             radius.data(), mass.data(),     rows(force), rows(torque)};
         ContactRows memory;
-        for (int n = 0; n < 3; ++n) contactForces(particles, pairs, step, memory);
+        for (int n = 0; n < count; ++n) contactForces(particles, pairs, step, memory);
     }
 };
 
@@ -128,6 +129,26 @@ TEST(ContactKernel, rowsTakeTurnsAndForcesAreThoseOfAllRowsAtOnce)
     for (int i = 0; i + 1 < number; ++i)
         for (int k = 0; k < 3 * (sorted.pairs.start[i + 1] - sorted.pairs.start[i]); ++k)
             ASSERT_EQ(sorted.history[i][k], any.history[i][k]);
+}
+
+TEST(ContactKernel, forcesAreSetOrAddedTo)
+{
+    if (!canVectorise()) GTEST_SKIP() << "this processor has no AVX2";
+    std::vector<int> order(number - 2 * across * across); // the uppermost particles have no pairs
+    std::iota(order.begin(), order.end(), 0);
+    Column added, set;
+    for (Column* column : {&added, &set})
+    {
+        column->pairs.start.assign(number, 0);
+        column->list(order);
+    }
+    std::fill(set.force.begin(), set.force.end(), 7.0);
+    std::fill(set.torque.begin(), set.torque.end(), 7.0);
+    added.steps(1);
+    set.steps(1, false);
+    EXPECT_EQ(set.force, added.force);
+    EXPECT_EQ(set.torque, added.torque);
+    EXPECT_EQ(set.force.back(), 0.0);
 }
 
 TEST(ContactKernel, forcesOfTwoParticlesCancel)
