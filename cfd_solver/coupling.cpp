@@ -38,9 +38,31 @@ KernelWidth kernel(const CouplingSettings& settings)
 }
 
 /// whole registers, where it is more than one value
-int padded(int fields)
+constexpr int padded(int fields)
 {
     return fields == 1 ? 1 : fields <= 8 ? 8 : 12;
+}
+
+/// Rows of what particles give (given_) to rows of what their cells sum up (cellSums_).
+template <bool push, bool heat>
+HOTBED_VECTORISED void fillAs(int count, const double (*__restrict position)[3], const double* __restrict given,
+                              double* __restrict sums)
+{
+    constexpr int heatAt = push ? 5 : 1, givenFields = heatAt + (heat ? 4 : 0);
+    constexpr int sumFields = padded(heatAt + (heat ? 7 : 0));
+    for (int k = 0; k < count; ++k, given += givenFields, sums += sumFields)
+    {
+        if (!heat)
+        {
+            for (int f = 0; f < heatAt; ++f) sums[f] = given[f];
+            continue;
+        }
+        for (int f = 0; f < heatAt + 2; ++f) sums[f] = given[f];
+        const double *of = given + heatAt, *x = position[k];
+        double* to = sums + heatAt + 2;
+        to[0] = of[0] * of[2];
+        *reinterpret_cast<Row4*>(to + 1) = of[0] * Row4{of[3], x[0], x[1], x[2]};
+    }
 }
 
 } // namespace
@@ -169,7 +191,10 @@ void Coupling::particlesToGas()
         // temperatures from a common one on: in a well mixed bed the differences that drive the heat are small
         const int n = dem_.size();
         const double* T = dem_.temperature();
-        for (int i = 0; i < n; ++i)
+        int impossible = 0;
+#pragma omp simd reduction(+ : impossible)
+        for (int i = 0; i < n; ++i) impossible += !(T[i] > 0.0 && T[i] <= hottest);
+        for (int i = 0; impossible && i < n; ++i)
             if (!(T[i] > 0.0 && T[i] <= hottest))
                 FatalErrorInFunction
                     << dem_.describe(i).c_str() << " has the temperature " << T[i]
@@ -188,7 +213,7 @@ void Coupling::particlesToGas()
         gasFields, cellValues_.data(),
         [this](int first, int count, const double* gas)
         {
-            const auto part = timing_.measure("to gas: closures");
+            const auto time = timing_.measure("to gas: closures");
             closures(first, count, gas);
         },
         givenFields_, given_.data(),
@@ -212,26 +237,26 @@ void Coupling::particlesToGas()
 void Coupling::fill(int first, int count, const double* given, double* sums) const
 {
     const double(*position)[3] = mapping_.copyPositions(dem_.position()) + first;
-    for (int k = 0; k < count; ++k, given += givenFields_, sums += sumFields_)
-    {
-        sums[0] = given[0];
-        if (push_) std::copy_n(given + 1, 4, sums + 1);
-        if (!heat_) continue;
-        const double *heat = given + heatAt_, *x = position[k];
-        double* heatSums = sums + heatAt_;
-        heatSums[0] = heat[0];
-        heatSums[1] = heat[1];
-        heatSums[2] = heat[0] * heat[2];
-        heatSums[3] = heat[0] * heat[3];
-        for (int a = 0; a < 3; ++a) heatSums[4 + a] = heat[0] * x[a];
-    }
+    if (push_ && heat_)
+        fillAs<true, true>(count, position, given, sums);
+    else if (push_)
+        fillAs<true, false>(count, position, given, sums);
+    else if (heat_)
+        fillAs<false, true>(count, position, given, sums);
+    else
+        std::copy_n(given, count, sums);
 }
 
 HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* gas)
 {
-    constexpr int block = Mapping::block;
-    alignas(64) double voidage[block], viscosity[block], conductivity[block], reynolds[block], prandtl[block],
-        beta[block] = {}, nusselt[block], B[block], conductance[block], here[block];
+    for (int end = first + count; first < end; first += part, gas += part * gasFields)
+        closuresOf(first, std::min(part, end - first), gas);
+}
+
+void Coupling::closuresOf(int first, int count, const double* gas)
+{
+    Seen seen;
+    alignas(64) double reynolds[part], prandtl[part], beta[part] = {}, nusselt[part], here[part];
     const double l = dem_.ratio();
     const double* radius = dem_.radius() + first;
     const double(*v)[3] = dem_.velocity() + first;
@@ -242,32 +267,29 @@ HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* ga
         const double* g = gas + k * gasFields;
         const double slip[3] = {g[1] - v[k][0], g[2] - v[k][1], g[3] - v[k][2]};
         here[k] = inside[k] ? 1.0 : 0.0; // else it has left the mesh: any numbers, it exchanges nothing
-        voidage[k] = g[0];
-        viscosity[k] = g[5];
-        conductivity[k] = g[6];
-        reynolds[k] = g[0] * g[4] * std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]);
-        prandtl[k] = g[5] * g[7];
+        const double one = 1.0 - here[k], viscosity = g[5] + one, conductivity = g[6] + one;
+        const double inverse = 1.0 / (viscosity * conductivity); // of both in one division
+        seen.voidage[k] = g[0] + one;
+        seen.density[k] = g[4];
+        seen.viscosity[k] = viscosity;
+        seen.conductivity[k] = conductivity;
+        reynolds[k] = g[0] * g[4] * std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]) *
+                      (original * radius[k]) * (conductivity * inverse);
+        prandtl[k] = (g[5] * g[7] + one) * (viscosity * inverse);
     }
+    if (settings_.drag) settings_.drag(count, seen.voidage, reynolds, beta);
     for (int k = 0; k < count; ++k)
-    {
-        const double one = 1.0 - here[k];
-        voidage[k] += one;
-        reynolds[k] *= original * radius[k] / (viscosity[k] + one);
-        prandtl[k] = (prandtl[k] + one) / (conductivity[k] + one);
-    }
-    if (settings_.drag) settings_.drag(count, voidage, reynolds, beta);
-    for (int k = 0; k < count; ++k)
-        B[k] = here[k] * dragCoefficient(beta[k], viscosity[k], voidage[k], original * radius[k], l);
-    dragOn(first, count, gas, B);
+        seen.B[k] = here[k] * dragCoefficient(beta[k], seen.viscosity[k], seen.voidage[k], original * radius[k], l);
+    dragOn(first, count, seen);
     if (!heat_) return;
-    settings_.heatTransfer(count, voidage, reynolds, prandtl, nusselt);
+    settings_.heatTransfer(count, seen.voidage, reynolds, prandtl, nusselt);
+    double* result = dem_.nusselt() + first;
     for (int k = 0; k < count; ++k)
     {
-        nusselt[k] *= here[k];
-        conductance[k] = heatConductance(nusselt[k], conductivity[k], original * radius[k], l);
+        result[k] = nusselt[k] * here[k];
+        seen.conductance[k] = heatConductance(result[k], seen.conductivity[k], original * radius[k], l);
     }
-    std::copy_n(nusselt, count, dem_.nusselt() + first);
-    heatOn(first, count, conductance);
+    heatOn(first, count, seen);
 }
 
 void Coupling::gasToParticles()
@@ -275,6 +297,7 @@ void Coupling::gasToParticles()
     mismatch_ = 0.0;
     if (!push_ && !heat_) return;
     const auto time = timing_.measure("to particles");
+    const NoTraps guard;
     cellValues_.resize(std::size_t(mesh_.nCells()) * readFields_);
     impulse_ = dragReceived_ = Zero;
     dragExchanged_ = heatExchanged_ = heatReceived_ = 0.0;

@@ -62,11 +62,19 @@ public:
 
 private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
+    /// So many particles at a time go through the closures: what is known of them then stays in the nearest cache.
+    static constexpr int part = 256;
+    struct Seen ///< the gas at these particles, side by side, and what follows from it
+    {
+        alignas(64) double voidage[part], density[part], viscosity[part], conductivity[part];
+        alignas(64) double B[part], conductance[part]; ///< drag coefficient [kg/s], h A [W/K]
+    };
     // blocks of particles; `gas` is what they see of it, [count][gasFields]
     void closures(int first, int count, const double* gas);
+    void closuresOf(int first, int count, const double* gas);
     void fill(int first, int count, const double* given, double* sums) const;
-    void dragOn(int first, int count, const double* gas, const double* B);
-    void heatOn(int first, int count, const double* conductance);
+    void dragOn(int first, int count, const Seen& seen);
+    void heatOn(int first, int count, const Seen& seen);
     /// Cells that particles reach, so many at a time that what is known of them stays in the cache from one use to the
     /// next. @param use  called with the first and the end of each block
     template <class Use> void inBlocks(const Use& use) const

@@ -11,13 +11,13 @@ namespace hotbed
 /// cell c gets  w [G (T_i - T_c') - early_c X (T_c - T_c')]  with G = m c gain / dt, X = m c early / dt. The share
 /// early_c of the first-order term is 1 wherever that keeps the gas bounded and a closed pair from passing its
 /// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff. With `exchange implicit` G is h A and X is 0.
-HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const double* conductance)
+HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const Seen& seen)
 {
-    alignas(64) double mc[Mapping::block], b[Mapping::block], gain[Mapping::block], early[Mapping::block] = {};
+    alignas(64) double mc[part], b[part], gain[part], early[part] = {};
     const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt, reference = gas_.exchange().reference;
     const double* T = dem_.temperature() + first;
     dem_.heatCapacity(first, count, mc);
-    for (int k = 0; k < count; ++k) b[k] = gain[k] = conductance[k] * dt / mc[k];
+    for (int k = 0; k < count; ++k) b[k] = gain[k] = seen.conductance[k] * dt / mc[k];
     if (settings_.linearExchange) relaxation(count, b, gain, early);
     double* given = &given_[std::size_t(first) * givenFields_ + std::size_t(heatAt_)];
     for (int k = 0; k < count; ++k, given += givenFields_)

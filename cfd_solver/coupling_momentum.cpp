@@ -9,6 +9,16 @@ using namespace Foam;
 
 namespace hotbed
 {
+namespace
+{
+
+inline Row4 row(const double (&x)[3])
+{
+    return Row4{x[0], x[1], x[2], 0.0};
+}
+
+} // namespace
+
 /// What a particle does to the gas in a step, F = G u' - c + V held grad p', with the gas velocity u' and the pressure
 /// gradient at the end of the step. A particle that the gas can move answers exactly to u' and to a constant
 /// acceleration a from all other forces,
@@ -16,48 +26,44 @@ namespace hotbed
 /// for any b: G is m/dt at most. `a` is that of the pressure gradient, -V grad p'/m, and of the rest, for which the
 /// mean over the last gas step is taken: a particle at rest in a bed then feels all of B u', one that falls reaches its
 /// terminal velocity. Both do so whatever `gain` is.
-/// @param gas  voidage, velocity, density, ... at the particles
-/// @param B    [kg/s]; given_ is set: G, c, V held
-HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const double* gas, const double* B)
+/// Sets given_: G, c, V held.
+HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const Seen& seen)
 {
+    const double* B = seen.B;
     double* given = &given_[std::size_t(first) * givenFields_];
     if (!push_)
     {
         for (int k = 0; k < count; ++k) given[k * givenFields_] = B[k];
         return;
     }
-    constexpr int block = Mapping::block;
-    alignas(64) double voidage[block], gasDensity[block], density[block], b[block], gain[block], early[block],
-        held[block]; // share of other forces' work that the drag takes in the step
+    alignas(64) double volume[part], b[part], gain[part], held[part], G[part], others[part];
     const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt;
     const double *m = dem_.mass() + first, *radius = dem_.radius() + first;
     for (int k = 0; k < count; ++k)
     {
-        voidage[k] = gas[k * gasFields];
-        gasDensity[k] = gas[k * gasFields + 4];
-        density[k] = m[k] / sphereVolume(radius[k]);
+        volume[k] = sphereVolume(radius[k]);
         b[k] = B[k] * dt / m[k];
     }
-    relaxation(count, b, gain, early);
-    boundGain(count, voidage, gasDensity, density, b, gain);
-    for (int k = 0; k < count; ++k) held[k] = B[k] > 0.0 ? 1.0 - gain[k] / (B[k] > 0.0 ? b[k] : 1.0) : 0.0;
+    dragAnswer(count, seen.voidage, seen.density, m, volume, b, gain, held);
 
     const double(*v)[3] = dem_.velocity() + first;
-    const double(*lasts)[4] = dem_.lastGasStep() + first;
-    const double(*gasForce)[3] = dem_.gasForce() + first;
-    const double(*force)[3] = dem_.force() + first;
+    const double(*alone)[4] = dem_.gasAlone() + first;
+    for (int k = 0; k < count; ++k)
+    {
+        G[k] = m[k] * gain[k] * rate;
+        others[k] = held[k] * m[k] * alone[k][3];
+        volume[k] *= held[k];
+    }
     for (int k = 0; k < count; ++k, given += givenFields_)
     {
-        const double* last = lasts[k];
-        const double momentum = last[3] > 0.0 ? m[k] / last[3] : 0.0;
-        given[0] = m[k] * gain[k] * rate;
+        const Row4 velocity = row(v[k]), change = velocity - *reinterpret_cast<const Row4*>(alone[k]);
+        given[0] = G[k];
+        *reinterpret_cast<Row4*>(given + 1) = G[k] * velocity + others[k] * change;
+        given[4] = volume[k];
+        if (alone[k][3] > 0.0) continue;
+        // its first gas step: what forces there are now
         for (int a = 0; a < 3; ++a)
-        {
-            const double all = last[3] > 0.0 ? momentum * (v[k][a] - last[a]) : force[k][a];
-            const double other = all - gasForce[k][a];
-            given[1 + a] = given[0] * v[k][a] + held[k] * other;
-        }
-        given[4] = held[k] * sphereVolume(radius[k]);
+            given[1 + a] = G[k] * v[k][a] + held[k] * (dem_.force()[first + k][a] - dem_.gasForce()[first + k][a]);
     }
 }
 
@@ -95,33 +101,29 @@ void Coupling::momentumInCells(const label* cell, const label* end)
 /// velocity at the end of its step, and the pressure gradient (eq 16).
 HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const double* read)
 {
-    const double dt = mesh_.time().deltaTValue();
-    const double* radius = dem_.radius();
-    const double(*v)[3] = dem_.velocity();
-    double(*lasts)[4] = dem_.lastGasStep();
-    vector received(Zero), dragReceived(Zero), exchanged(Zero); // by axis: sums of their own do not wait for each other
-    double forces[Mapping::block][3];
-    for (int i = first; i < first + count; ++i, read += readFields_)
+    const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt;
+    const double *radius = dem_.radius() + first, *m = dem_.mass() + first;
+    const double(*v)[3] = dem_.velocity() + first;
+    double(*alone)[4] = dem_.gasAlone() + first;
+    const double* given = &given_[std::size_t(first) * givenFields_];
+    Row4 received = {}, dragReceived = {}, exchanged = {}; // the fourth entries mean nothing
+    double forces[Mapping::block + 1][3];
+    for (int k = 0; k < count; ++k, read += readFields_, given += givenFields_)
     {
-        const double* given = &given_[std::size_t(i) * givenFields_];
-        const double volume = sphereVolume(radius[i]);
-        double* force = forces[i - first];
-        double* last = lasts[i];
-        for (int a = 0; a < 3; ++a)
-        {
-            const double drag = given[0] * read[a] - given[1 + a] + given[4] * read[3 + a];
-            force[a] = drag - volume * read[3 + a];
-            last[a] = v[i][a];
-            received[a] += force[a];
-            dragReceived[a] += drag;
-            exchanged[a] += std::abs(drag);
-        }
-        last[3] = dt;
+        const Row4 velocity = *reinterpret_cast<const Row4*>(read), gradient = *reinterpret_cast<const Row4*>(read + 3);
+        const Row4 drag = given[0] * velocity - *reinterpret_cast<const Row4*>(given + 1) + given[4] * gradient;
+        const Row4 force = drag - sphereVolume(radius[k]) * gradient;
+        *reinterpret_cast<Row4*>(forces[k]) = force; // and into the next one's
+        *reinterpret_cast<Row4*>(alone[k]) = row(v[k]) + dt / m[k] * force;
+        alone[k][3] = rate;
+        received += force;
+        dragReceived += drag;
+        exchanged += drag > 0.0 ? drag : -drag;
     }
     dem_.setGasForce(first, count, forces);
-    impulse_ += dt * received;
-    dragReceived_ += dragReceived;
-    dragExchanged_ += cmptSum(exchanged);
+    impulse_ += dt * vector(received[0], received[1], received[2]);
+    dragReceived_ += vector(dragReceived[0], dragReceived[1], dragReceived[2]);
+    dragExchanged_ += exchanged[0] + exchanged[1] + exchanged[2];
 }
 
 void Coupling::momentumMismatch()

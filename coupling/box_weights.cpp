@@ -4,7 +4,9 @@
 #include "vectorised.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
+#include <type_traits>
 
 namespace hotbed
 {
@@ -22,13 +24,15 @@ struct AxisGroup
 {
     alignas(64) double x[group];
     alignas(64) int first[group], count[group]; ///< lattice intervals that are reached
-    alignas(64) double total[group];            ///< kernel mass in them
+    alignas(64) unsigned char beyond[group];    ///< where folded: whether a wall is reached, 1 the low one, 2 the high
+    alignas(64) double total[group];            ///< kernel mass in the intervals
 };
 
-/// Sets `first` and `count`. @return the most of any particle
+/// Sets `first`, `count` and `beyond`. @return the most intervals of any particle
 inline int reach(const BoxAxis& axis, const double* halfWidth, AxisGroup& g)
 {
     const double front = axis.face.front(), back = axis.face.back(), last = double(axis.face.size()) - 2;
+    const double lowWall = axis.wall[0], highWall = axis.wall[1];
     const auto interval = [&](double x)
     {
         const double i =
@@ -44,6 +48,8 @@ inline int reach(const BoxAxis& axis, const double* halfWidth, AxisGroup& g)
         g.count[i] = (high > front) & (low < back) ? interval(high) - g.first[i] + 1 : 0;
         most = g.count[i] > most ? g.count[i] : most;
     }
+    for (int i = 0; axis.folded && i < group; ++i)
+        g.beyond[i] = (unsigned char)((g.x[i] - halfWidth[i] < lowWall) + 2 * (g.x[i] + halfWidth[i] > highWall));
     if (axis.uniform) return most;
     for (int i = 0; i < group; ++i)
     {
@@ -53,28 +59,47 @@ inline int reach(const BoxAxis& axis, const double* halfWidth, AxisGroup& g)
     return *std::max_element(g.count, g.count + group);
 }
 
-/// Faces of a lattice axis, the last one for any number beyond it.
-inline Lanes faces(const BoxAxis& axis, Counts number)
+/// The faces of intervals from some on, as particles see them: (face + shift) * scale. Those behind the last one are
+/// where that is, so that no mass lies between them.
+class Faces
 {
-    const Counts last = Counts{} + int(axis.face.size() - 1);
-    number = number < last ? number : last;
-    if (axis.uniform) return axis.origin + axis.spacing * __builtin_convertvector(number, Lanes);
-    Lanes x;
-    for (int i = 0; i < lanes; ++i) x[i] = axis.face[std::size_t(number[i])];
-    return x;
-}
+public:
+    Faces(const BoxAxis& axis, Counts first, Lanes shift, Lanes scale)
+        : axis_(axis), first_(first), shift_(shift), scale_(scale)
+    {
+        begin_ = (axis.origin + axis.spacing * __builtin_convertvector(first, Lanes) + shift) * scale;
+        step_ = axis.spacing * scale;
+        end_ = (axis.face.back() + shift) * scale;
+    }
 
-/// Sets masses, or adds to them, as differences of `below`, the kernel mass below a face.
-/// @param mass  [most][lanes]
+    Lanes operator[](int k) const
+    {
+        if (axis_.uniform)
+        {
+            const Lanes x = begin_ + double(k) * step_;
+            return x < end_ ? x : end_;
+        }
+        Lanes x;
+        for (int i = 0; i < lanes; ++i) x[i] = axis_.face[std::min(std::size_t(first_[i] + k), axis_.face.size() - 1)];
+        return (x + shift_) * scale_;
+    }
+
+private:
+    const BoxAxis& axis_;
+    Counts first_;
+    Lanes shift_, scale_, begin_, step_, end_;
+};
+
+/// Sets the masses between faces, or adds to them.
+/// @param mass  [most]
 /// @return their sums
-template <bool add, class Below>
-inline Lanes putMasses(const BoxAxis& axis, Counts first, int most, Lanes* mass, Below&& below)
+template <bool add> inline Lanes putMasses(const Faces& face, int most, Lanes* mass)
 {
-    const Lanes begin = below(faces(axis, first));
+    const Lanes begin = deenMassBelow(face[0]);
     Lanes lower = begin;
     for (int k = 0; k < most; ++k)
     {
-        const Lanes upper = below(faces(axis, first + (k + 1)));
+        const Lanes upper = deenMassBelow(face[k + 1]);
         mass[k] = add ? mass[k] + (upper - lower) : upper - lower;
         lower = upper;
     }
@@ -82,40 +107,37 @@ inline Lanes putMasses(const BoxAxis& axis, Counts first, int most, Lanes* mass,
 }
 
 /// Masses along one axis.
-/// @param mass    of the first particles in the first interval
-/// @param stride  from their masses to those of the next in a register
-inline void putAllMasses(const BoxAxis& axis, const double* halfWidth, int most, AxisGroup& g, double* mass, int stride)
+/// @param inverse  of the half widths
+/// @param mass     of the first particles in the first interval
+/// @param stride   from their masses to those of the next in a register
+inline void putAllMasses(const BoxAxis& axis, const double* inverse, int most, AxisGroup& g, double* mass, int stride)
 {
     for (int r = 0; r < group; r += lanes, mass += stride)
     {
-        const Lanes x = *reinterpret_cast<const Lanes*>(g.x + r), n = *reinterpret_cast<const Lanes*>(halfWidth + r);
+        const Lanes x = *reinterpret_cast<const Lanes*>(g.x + r), scale = *reinterpret_cast<const Lanes*>(inverse + r);
         const Counts first = *reinterpret_cast<const Counts*>(g.first + r);
-        const Lanes inverse = 1.0 / n;
         auto* to = reinterpret_cast<Lanes*>(mass);
-        Lanes total =
-            putMasses<false>(axis, first, most, to, [&](Lanes face) { return deenMassBelow((face - x) * inverse); });
-        for (int side = 0; axis.folded && side < 2; ++side)
-        {
-            const double wall = axis.wall[std::size_t(side)];
-            bool reached = false;
-            for (int i = 0; i < lanes; ++i) reached |= side ? x[i] + n[i] > wall : x[i] - n[i] < wall;
-            if (reached) // and back into the domain
-                total += putMasses<true>(axis, first, most, to,
-                                         [&](Lanes face) { return deenMassBelow((face + x - 2.0 * wall) * inverse); });
-        }
+        Lanes total = putMasses<false>(Faces(axis, first, -x, scale), most, to);
+        std::uint64_t beyond = 0;
+        if (axis.folded) std::memcpy(&beyond, g.beyond + r, lanes);
+        for (int side = 0; beyond && side < 2; ++side)
+            if (beyond & (0x0101010101010101u << side)) // and back into the domain
+                total += putMasses<true>(Faces(axis, first, x - 2.0 * axis.wall[std::size_t(side)], scale), most, to);
         *reinterpret_cast<Lanes*>(g.total + r) = total;
     }
 }
 
+/// @param mass, centre  null: the weights become shares, and `inside` is set
 HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
-                                 const double* halfWidth, BoxWeights& weights, double* mass, double* centre)
+                                 const double* halfWidth, BoxWeights& weights, double* mass, double* centre,
+                                 char* inside)
 {
-    const std::size_t before = weights.particle.size();
+    const std::size_t before = std::size_t(weights.particles);
     if (before % group != 0) throw std::logic_error("box weights: more particles after a group that is not full");
-    weights.particle.resize(before + std::size_t(count));
+    BoxWeights::Particle* p = weights.room(count);
     AxisGroup along[3];
-    alignas(64) double n[group], within[group];
-    for (int begin = 0; begin < count; begin += group)
+    alignas(64) double n[group], inverse[group], within[group], masses[group];
+    for (int begin = 0; begin < count; begin += group, p += group)
     {
         const int some = std::min(group, count - begin);
         for (int i = 0; i < some; ++i)
@@ -128,8 +150,10 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
             for (int a = 0; a < 3; ++a) along[a].x[i] = along[a].x[some - 1];
             n[i] = n[some - 1];
         }
+        for (int i = 0; i < group; ++i) inverse[i] = 1.0 / n[i];
         int most[3];
         std::fill_n(within, group, 1.0);
+        std::fill_n(masses, group, 0.0);
         for (int a = 0; a < 3; ++a)
         {
             most[a] = reach(axis[a], n, along[a]);
@@ -139,8 +163,8 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
         }
         const int y = most[0], z = y + most[1], end = z + most[2], begins[3] = {0, y, z};
         double* to = weights.room({0, y, z, end});
-        for (int a = 0; a < 3; ++a) putAllMasses(axis[a], n, most[a], along[a], to + begins[a] * lanes, end * lanes);
-        BoxWeights::Particle* __restrict p = &weights.particle[before + std::size_t(begin)];
+        for (int a = 0; a < 3; ++a)
+            putAllMasses(axis[a], inverse, most[a], along[a], to + begins[a] * lanes, end * lanes);
         const int row = weights.nx, layer = weights.nxy;
 #pragma omp simd
         for (int i = 0; i < some; ++i)
@@ -151,9 +175,22 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
             p[i].count[0] = reached ? nx : 0;
             p[i].count[1] = reached ? ny : 0;
             p[i].count[2] = reached ? nz : 0;
-            centre[begin + i] = within[i];
-            mass[begin + i] = reached ? along[0].total[i] * along[1].total[i] * along[2].total[i] : 0.0;
+            masses[i] = reached ? along[0].total[i] * along[1].total[i] * along[2].total[i] : 0.0;
         }
+        if (inside)
+        {
+            for (int i = 0; i < some; ++i) inside[begin + i] = isInside(masses[i], within[i]);
+            for (int i = 0; i < group; ++i)
+            {
+                const double in = isInside(masses[i], within[i]) ? 1.0 : 0.0;
+                masses[i] = in / (in > 0.0 ? masses[i] : 1.0); // OpenFOAM traps a division by zero
+            }
+            for (int r = 0; r < group; r += lanes, to += end * lanes)
+                for (int k = 0; k < most[0] * lanes; ++k) to[k] *= masses[r + k % lanes];
+            continue;
+        }
+        std::copy_n(masses, some, mass + begin);
+        std::copy_n(within, some, centre + begin);
     }
 }
 
@@ -172,52 +209,48 @@ struct SomeSlots
     static bool has(int cell) { return cell >= 0; }
 };
 
-/// visit(first slot, number of slots, their weights along x, weight of the row) for every row that a particle reaches.
-/// @tparam length  of the rows, 0 where it is only known now
-template <int length, class Visit> inline void forEachRowOf(const BoxWeights& weights, int particle, Visit&& visit)
+/// A particle's weights: of its cell (i, j, k) x[i lanes] y[j lanes] z[k lanes].
+struct Product
 {
-    const BoxWeights::Particle& p = weights.particle[std::size_t(particle)];
-    const BoxWeights::Rows& rows = weights.rows[std::size_t(particle) / group];
-    const double* x = weights.row.data() + rows.begin + particle % group / lanes * lanes * rows.end + particle % lanes;
-    const double *y = x + rows.y * lanes, *z = x + rows.z * lanes;
-    if constexpr (length > 0)
+    const double *x, *y, *z;
+};
+
+/// visit(particle, its weights) for `count` particles from the first one on
+template <class Visit> inline void forEach(const BoxWeights& weights, int first, int count, Visit&& visit)
+{
+    for (const int end = first + count; first < end;)
     {
-        double along[length]; // what is added to cells could be these, for all that the compiler knows
-        for (int i = 0; i < length; ++i) along[i] = x[i * lanes];
-        for (int k = 0; k < p.count[2]; ++k)
-            for (int j = 0; j < p.count[1]; ++j)
-                visit(
-                    p.slot + j * weights.nx + k * weights.nxy, length, [&](int i) { return along[i]; },
-                    y[j * lanes] * z[k * lanes]);
+        const BoxWeights::Rows& rows = weights.rows[std::size_t(first) / group];
+        const double* x = weights.row.data() + rows.begin + first % group / lanes * lanes * rows.end;
+        int lane = first % lanes;
+        for (const int stop = std::min(lanes, lane + end - first); lane < stop; ++lane, ++first)
+            visit(weights.particle[std::size_t(first)],
+                  Product{x + lane, x + lane + rows.y * lanes, x + lane + rows.z * lanes});
     }
-    else
-        for (int k = 0; k < p.count[2]; ++k)
-            for (int j = 0; j < p.count[1]; ++j)
-                visit(
-                    p.slot + j * weights.nx + k * weights.nxy, p.count[0], [&](int i) { return x[i * lanes]; },
-                    y[j * lanes] * z[k * lanes]);
 }
 
-/// The same, unrolled for the usual lengths.
-template <class Visit> inline void forEachRow(const BoxWeights& weights, int particle, Visit&& visit)
+/// Calls work(cells along x, cells along y) with the numbers of a particle, as constants where these are usual ones, so
+/// that loops over them are written out: else what there is to be done apart from the sums takes most of the time.
+template <class Slots, class Work> inline void withCounts(const BoxWeights::Particle& p, Work&& work)
 {
-    switch (weights.particle[std::size_t(particle)].count[0])
+    const auto withY = [&](auto nx)
     {
-    case 2:
-        return forEachRowOf<2>(weights, particle, visit);
-    case 3:
-        return forEachRowOf<3>(weights, particle, visit);
-    case 4:
-        return forEachRowOf<4>(weights, particle, visit);
-    default:
-        return forEachRowOf<0>(weights, particle, visit);
-    }
+        if (p.count[1] == 2) return work(nx, std::integral_constant<int, 2>{});
+        if (p.count[1] == 3) return work(nx, std::integral_constant<int, 3>{});
+        work(nx, std::integral_constant<int, 4>{});
+    };
+    const bool usual = p.count[0] >= 2 && p.count[0] <= 4 && p.count[1] >= 2 && p.count[1] <= 4;
+    if constexpr (!std::is_same_v<Slots, AllSlots>) return work(p.count[0], p.count[1]);
+    if (!usual) return work(p.count[0], p.count[1]);
+    if (p.count[0] == 2) return withY(std::integral_constant<int, 2>{});
+    if (p.count[0] == 3) return withY(std::integral_constant<int, 3>{});
+    withY(std::integral_constant<int, 4>{});
 }
 
 /// the values of a particle or a cell, as one register where the processor has such
 using Values1 = double;
 using Values2 = double __attribute__((vector_size(16), aligned(8), may_alias));
-using Values4 = double __attribute__((vector_size(32), aligned(8), may_alias));
+using Values4 = Row4;
 using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
 
 /// two registers
@@ -225,11 +258,6 @@ struct Values12
 {
     Values8 low;
     Values4 high;
-};
-
-struct Values16
-{
-    Values8 low, high;
 };
 
 template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
@@ -248,44 +276,65 @@ template <class Values, class Slots>
 inline void interpolateFields(const BoxWeights& weights, Slots slots, int first, int count, const double* cells,
                               double* result)
 {
-    for (int n = first; n < first + count; ++n)
+    const auto* values = reinterpret_cast<const Values*>(cells);
+    const int row = weights.nx, layer = weights.nxy;
+    const auto of = [&](const BoxWeights::Particle& p, const Product& w)
     {
-        Values sum = {};
-        forEachRow(weights, n,
-                   [&](int slot, int length, auto x, double yz)
-                   {
-                       Values row = {};
-                       for (int i = 0; i < length; ++i)
-                       {
-                           const int cell = slots.cell(slot + i);
-                           if (slots.has(cell)) row += x(i) * reinterpret_cast<const Values*>(cells)[cell];
-                       }
-                       sum += yz * row;
-                   });
-        *reinterpret_cast<Values*>(result) = sum;
+        withCounts<Slots>(p,
+                          [&](auto nx, auto ny)
+                          {
+                              Values sum = {};
+                              for (int k = 0, slot = p.slot; k < p.count[2]; ++k, slot += layer)
+                              {
+                                  Values plane = {};
+                                  for (int j = 0; j < ny; ++j)
+                                  {
+                                      Values line = {};
+                                      for (int i = 0; i < nx; ++i)
+                                      {
+                                          const int cell = slots.cell(slot + j * row + i);
+                                          if (slots.has(cell)) line += w.x[i * lanes] * values[cell];
+                                      }
+                                      plane += w.y[j * lanes] * line;
+                                  }
+                                  sum += w.z[k * lanes] * plane;
+                              }
+                              *reinterpret_cast<Values*>(result) = sum;
+                          });
         result += sizeof(Values) / sizeof(double);
-    }
+    };
+    forEach(weights, first, count, of);
 }
 
 template <class Values, class Slots>
 inline void depositFields(const BoxWeights& weights, Slots slots, int first, int count, const double* particles,
                           double* cells)
 {
-    for (int n = first; n < first + count; ++n)
+    auto* sums = reinterpret_cast<Values*>(cells);
+    const int row = weights.nx, layer = weights.nxy;
+    const auto of = [&](const BoxWeights::Particle& p, const Product& w)
     {
         const Values value = *reinterpret_cast<const Values*>(particles);
-        forEachRow(weights, n,
-                   [&](int slot, int length, auto x, double yz)
-                   {
-                       const Values row = yz * value;
-                       for (int i = 0; i < length; ++i)
-                       {
-                           const int cell = slots.cell(slot + i);
-                           if (slots.has(cell)) reinterpret_cast<Values*>(cells)[cell] += x(i) * row;
-                       }
-                   });
+        withCounts<Slots>(p,
+                          [&](auto nx, auto ny)
+                          {
+                              for (int k = 0, slot = p.slot; k < p.count[2]; ++k, slot += layer)
+                              {
+                                  const Values plane = w.z[k * lanes] * value;
+                                  for (int j = 0; j < ny; ++j)
+                                  {
+                                      const Values line = w.y[j * lanes] * plane;
+                                      for (int i = 0; i < nx; ++i)
+                                      {
+                                          const int cell = slots.cell(slot + j * row + i);
+                                          if (slots.has(cell)) sums[cell] += w.x[i * lanes] * line;
+                                      }
+                                  }
+                              }
+                          });
         particles += sizeof(Values) / sizeof(double);
-    }
+    };
+    forEach(weights, first, count, of);
 }
 
 } // namespace
@@ -307,7 +356,7 @@ int BoxAxis::interval(double x) const
 
 void BoxWeights::clear()
 {
-    particle.clear();
+    particles = 0;
     rows.clear();
     rowEnd = 0;
 }
@@ -315,7 +364,21 @@ void BoxWeights::clear()
 void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
                         const double* halfWidth, double* mass, double* centre)
 {
-    appendAll(axis, count, position, halfWidth, *this, mass, centre);
+    appendAll(axis, count, position, halfWidth, *this, mass, centre, nullptr);
+}
+
+void BoxWeights::appendShares(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
+                              const double* halfWidth, char* inside)
+{
+    appendAll(axis, count, position, halfWidth, *this, nullptr, nullptr, inside);
+}
+
+BoxWeights::Particle* BoxWeights::room(int more)
+{
+    const int first = particles;
+    particles += more;
+    if (int(particle.size()) < particles) particle.resize(std::size_t(particles));
+    return particle.data() + first;
 }
 
 double* BoxWeights::room(Rows more)
@@ -342,15 +405,18 @@ HOTBED_VECTORISED void BoxWeights::scale(int first, int count, const double* fac
     }
 }
 
-double BoxWeights::mass(int particle) const
+double BoxWeights::mass(int which) const
 {
     double sum = 0.0;
-    forEachRow(*this, particle,
-               [&](int slot, int length, auto x, double yz)
-               {
-                   for (int i = 0; i < length; ++i)
-                       if (!cellOf || cellOf[slot + i] >= 0) sum += x(i) * yz;
-               });
+    forEach(*this, which, 1,
+            [&](const Particle& p, const Product& w)
+            {
+                for (int k = 0; k < p.count[2]; ++k)
+                    for (int j = 0; j < p.count[1]; ++j)
+                        for (int i = 0; i < p.count[0]; ++i)
+                            if (!cellOf || cellOf[p.slot + i + j * nx + k * nxy] >= 0)
+                                sum += w.x[i * lanes] * w.y[j * lanes] * w.z[k * lanes];
+            });
     return sum;
 }
 
@@ -369,11 +435,9 @@ template <class Work> inline void choose(int fields, const BoxWeights& weights, 
     };
     if (fields == 1) return withSlots(Values1{});
     if (fields == 2) return withSlots(Values2{});
-    if (fields == 4) return withSlots(Values4{});
     if (fields == 8) return withSlots(Values8{});
     if (fields == 12) return withSlots(Values12{});
-    if (fields == 16) return withSlots(Values16{});
-    throw std::invalid_argument("interpolate, deposit: 1, 2, 4, 8, 12 or 16 fields at a time");
+    throw std::invalid_argument("interpolate, deposit: 1, 2, 8 or 12 fields at a time");
 }
 
 } // namespace

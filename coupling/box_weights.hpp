@@ -9,6 +9,14 @@
 namespace hotbed
 {
 
+/// Whether a particle is one that exchanges anything.
+/// @param mass    kernel mass of a particle on cells
+/// @param centre  above 0 where one of these holds its centre
+inline bool isInside(double mass, double centre)
+{
+    return (centre > 0.0) & (mass > 0.0);
+}
+
 /// One axis of a lattice of boxes.
 struct BoxAxis
 {
@@ -43,14 +51,16 @@ struct BoxWeights
 
     const int* cellOf = nullptr; ///< lattice slot -> cell, -1 for none; null where a slot's number is its cell's
     int nx = 0, nxy = 0;         ///< slots a row, slots a layer
-    std::vector<Particle> particle;
+    int particles = 0;
+    std::vector<Particle> particle; ///< room for more than there are
     CellValues row; ///< one-dimensional masses, [group / lanes][along x, y, z][lanes] by group, and room for more
     std::vector<Rows> rows; ///< by group
     std::size_t rowEnd = 0;
 
     void clear();
 
-    /// Room for the masses of one more group.
+    /// Room for more particles, and for the masses of one more group.
+    Particle* room(int more);
     double* room(Rows more);
 
     /// More particles: the kernel mass of each on the lattice. Groups before must be full.
@@ -60,6 +70,11 @@ struct BoxWeights
     void append(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3], const double* halfWidth,
                 double* mass, double* centre);
 
+    /// More particles, all of whose weights are here: these sum to one.
+    /// @param inside  set: whether the centre lies in the lattice; particles outside have no weights
+    void appendShares(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
+                      const double* halfWidth, char* inside);
+
     /// Multiplies the weights of `count` particles by a factor for each.
     void scale(int first, int count, const double* factor);
 
@@ -68,14 +83,14 @@ struct BoxWeights
 };
 
 /// Weighted sum of cell values for some of the particles.
-/// @param fields  values per cell: 1, 2, 4, 8, 12 or 16
+/// @param fields  values per cell: 1, 2, 8 or 12
 /// @param first   the first of `count` particles
 /// @param cells   [cells][fields]
 /// @param result  [count][fields], set
 void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells, double* result);
 
 /// Adds weight times particle value to the cells.
-/// @param fields     values per particle: 1, 2, 4, 8, 12 or 16
+/// @param fields     values per particle: 1, 2, 8 or 12
 /// @param first      the first of `count` particles
 /// @param particles  [count][fields]
 /// @param cells      [cells][fields], added to

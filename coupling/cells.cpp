@@ -118,6 +118,19 @@ bool BoxCells::contains(const Point& x) const
     return full_ || cellOf_[slot(axis_[0].interval(x[0]), axis_[1].interval(x[1]), axis_[2].interval(x[2]))] >= 0;
 }
 
+void Weights::appendShares(int count, const double (*position)[3], const double* halfWidth, char* inside)
+{
+    const int first = size();
+    std::vector<double> mass(std::size_t(count), 0.0), centre(mass);
+    append(count, position, halfWidth, mass.data(), centre.data());
+    for (std::size_t k = 0; k < mass.size(); ++k)
+    {
+        inside[k] = isInside(mass[k], centre[k]);
+        mass[k] = inside[k] ? 1.0 / mass[k] : 0.0;
+    }
+    scale(first, count, mass.data());
+}
+
 class BoxCells::Products : public Weights
 {
 public:
@@ -132,11 +145,11 @@ public:
 
     void append(int count, const double (*position)[3], const double* halfWidth, double* mass, double* centre) override
     {
-        const std::size_t first = weights_.particle.size();
+        const int first = weights_.particles;
         if (cells_.nCells_ == 0)
         {
-            weights_.particle.resize(first + std::size_t(count));
-            weights_.rows.resize(weights_.particle.size() / BoxWeights::group + 1, {});
+            std::fill_n(weights_.room(count), count, BoxWeights::Particle{});
+            weights_.rows.resize(std::size_t(weights_.particles) / BoxWeights::group + 1, {});
             std::fill_n(mass, count, 0.0);
             std::fill_n(centre, count, 0.0);
             return;
@@ -145,14 +158,22 @@ public:
         for (int n = 0; n < count && !cells_.full_; ++n)
         {
             const double* x = position[n];
-            mass[n] = weights_.mass(int(first) + n);
+            mass[n] = weights_.mass(first + n);
             centre[n] = cells_.contains({{x[0], x[1], x[2]}}) ? 1.0 : 0.0;
         }
     }
 
+    void appendShares(int count, const double (*position)[3], const double* halfWidth, char* inside) override
+    {
+        if (cells_.full_)
+            weights_.appendShares(cells_.axis_, count, position, halfWidth, inside);
+        else
+            Weights::appendShares(count, position, halfWidth, inside);
+    }
+
     void scale(int first, int count, const double* factor) override { weights_.scale(first, count, factor); }
 
-    int size() const override { return int(weights_.particle.size()); }
+    int size() const override { return weights_.particles; }
 
     void interpolate(int fields, int first, int count, const double* cells, double* particles) const override
     {

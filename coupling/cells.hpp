@@ -36,10 +36,14 @@ public:
     virtual void append(int count, const double (*position)[3], const double* halfWidth, double* mass,
                         double* centre) = 0;
 
+    /// Takes more particles, all of whose weights are on this rank: these sum to one.
+    /// @param inside  set for each: whether its centre lies in a cell; particles outside have no weights
+    virtual void appendShares(int count, const double (*position)[3], const double* halfWidth, char* inside);
+
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(int first, int count, const double* factor) = 0;
 
-    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 4, 8, 12 or 16 fields. What they read is
+    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 8 or 12 fields. What they read is
     /// what `read` makes of the cells' values; what they add to is what `sums` gives, and `passOn` brings it to the
     /// cells.
     virtual void interpolate(int fields, int first, int count, const double* read, double* particles) const = 0;

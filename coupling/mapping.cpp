@@ -16,13 +16,6 @@ int ranksOf(MPI_Comm communicator)
     return ranks;
 }
 
-/// @param mass    kernel mass of a particle on cells
-/// @param centre  whether one of these holds its centre
-bool isInside(double mass, double centre)
-{
-    return centre > 0.0 && mass > 0.0;
-}
-
 } // namespace
 
 Mapping::Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells)
@@ -99,15 +92,9 @@ void Mapping::weighCopies(const ParticlePositions& particles)
 /// One rank: weights of the next particles; sets whether they are inside.
 void Mapping::weigh(const ParticlePositions& particles, int first, int count)
 {
-    double halfWidth[block] = {}, mass[block], centre[block];
+    double halfWidth[block] = {};
     for (int k = 0; k < count; ++k) halfWidth[k] = particles.kernel.half(particles.radius[first + k]);
-    weights_->append(count, particles.position + first, halfWidth, mass, centre);
-    for (int k = 0; k < count; ++k)
-    {
-        inside_[std::size_t(first + k)] = isInside(mass[k], centre[k]);
-        mass[k] = inside_[std::size_t(first + k)] ? 1.0 / mass[k] : 0.0;
-    }
-    weights_->scale(first, count, mass);
+    weights_->appendShares(count, particles.position + first, halfWidth, inside_.data() + first);
 }
 
 const std::vector<char>& Mapping::update(const ParticlePositions& particles, double* volumes)

@@ -85,13 +85,13 @@ public:
     const double* toHome(int fields, const double* copies);
 
     /// Weighted mean of cell values at the particles. Collective.
-    /// @param fields      values per cell: 1, 2, 4, 8, 12 or 16
+    /// @param fields      values per cell: 1, 2, 8 or 12
     /// @param cellValues  [cells().size()][fields]
     /// @return [particles()][fields]; valid until the next call on this object
     const double* interpolate(int fields, const double* cellValues);
 
     /// Adds weight times particle value to the cells; local.
-    /// @param fields    values per particle: 1, 2, 4, 8, 12 or 16
+    /// @param fields    values per particle: 1, 2, 8 or 12
     /// @param copies    [copies()][fields]
     /// @param cellSums  [cells().size()][fields], added to
     void deposit(int fields, const double* copies, double* cellSums) { weights_->deposit(fields, copies, cellSums); }

@@ -31,17 +31,19 @@ inline Relaxation relaxation(double stiffness)
 /// @param gain, early  set
 void relaxation(int n, const double* stiffness, double* gain, double* early);
 
-/// Gain of the velocity of n particles, made smaller where gas and particles, which take turns, would excite each
-/// other. The gas sees in which way particles have closed its path only in the next step; between the two a disturbance
-/// grows by 1 - lambda from step to step in a gas that cannot be compressed, lambda being how far a pressure that stops
-/// the gas moves the particles. It is kept at 1.5 at most: in dense beds of particles that follow the gas within a step
-/// or are as light as it is these then answer in a few steps.
-/// @param voidage          gas holdup at the particle, (0, 1]
-/// @param gasDensity       [kg/m3]
-/// @param particleDensity  [kg/m3]
-/// @param stiffness        step over relaxation time, >= 0
-/// @param gain             of `relaxation`, changed
-void boundGain(int n, const double* voidage, const double* gasDensity, const double* particleDensity,
-               const double* stiffness, double* gain);
+/// What n particles answer to the drag of a gas step. Their gain is made smaller where gas and particles, which take
+/// turns, would excite each other. The gas sees in which way particles have closed its path only in the next step;
+/// between the two a disturbance grows by 1 - lambda from step to step in a gas that cannot be compressed, lambda being
+/// how far a pressure that stops the gas moves the particles. It is kept at 1.5 at most: in dense beds of particles
+/// that follow the gas within a step or are as light as it is these then answer in a few steps.
+/// @param voidage     gas holdup at the particle, (0, 1]
+/// @param gasDensity  [kg/m3]
+/// @param mass        of the particle [kg]
+/// @param volume      of the particle [m3]
+/// @param stiffness   step over relaxation time, >= 0
+/// @param gain        set: share of the gas velocity that the particle takes on
+/// @param held        set: share of the work of other forces that the drag takes, 1 - gain/stiffness
+void dragAnswer(int n, const double* voidage, const double* gasDensity, const double* mass, const double* volume,
+                const double* stiffness, double* gain, double* held);
 
 } // namespace hotbed

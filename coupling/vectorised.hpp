@@ -8,6 +8,9 @@
 namespace hotbed
 {
 
+/// Numbers that follow each other in memory, as one register where the processor has such.
+using Row4 = double __attribute__((vector_size(32), aligned(8), may_alias));
+
 /// While it lives, floating-point errors are not trapped: in whole registers both sides of a choice are evaluated, also
 /// log(0). For the host that calls closures and relaxation, around all of them, since it takes as long as some
 /// particles.

@@ -298,9 +298,9 @@ void Dem::setGasForce(int first, int count, const double (*force)[3])
     instance_->drag->set(first, count, force);
 }
 
-double (*Dem::lastGasStep() const)[4]
+double (*Dem::gasAlone() const)[4]
 {
-    return block<4>(instance_->drag->lastStep());
+    return block<4>(instance_->drag->alone());
 }
 
 const double (*Dem::force() const)[3]

@@ -66,7 +66,7 @@ public:
     bool drag() const;                                                ///< whether the script has a fix hotbed/drag
     const double (*gasForce() const)[3];                              ///< force of the gas on each particle [N]
     void setGasForce(int first, int count, const double (*force)[3]); ///< from the next DEM step on [N]
-    double (*lastGasStep() const)[4];                                 ///< see FixHotbedDrag::lastStep
+    double (*gasAlone() const)[4];                                    ///< see FixHotbedDrag::alone
     const double (*force() const)[3]; ///< all forces at the end of the last DEM step [N]
 
     /// Largest overlap of this rank's particles with each other and with primitive walls at the end of the last DEM

@@ -4,6 +4,8 @@
 
 #include "fix_nve_sphere_hotbed.h"
 
+#include "vectorised.hpp"
+
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -34,7 +36,7 @@ FixPropertyAtom* FixHotbedDrag::property(const char* name, int values)
 void FixHotbedDrag::post_create()
 {
     force_ = property("gasForce", 3);
-    lastStep_ = property("lastGasStep", 4);
+    alone_ = property("gasAlone", 4);
     kept_ = property("restartForce", 6);
 }
 
@@ -51,20 +53,25 @@ double** FixHotbedDrag::force() const
     return force_->array_atom;
 }
 
-double** FixHotbedDrag::lastStep() const
+double** FixHotbedDrag::alone() const
 {
-    return lastStep_->array_atom;
+    return alone_->array_atom;
 }
 
-void FixHotbedDrag::set(int first, int count, const double (*force)[3])
+HOTBED_VECTORISED void FixHotbedDrag::set(int first, int count, const double (*force)[3])
 {
-    double** kept = this->force() + first;
-    for (int i = 0; i < count; ++i)
-    {
-        if (atom->mask[first + i] & groupbit)
-            for (int a = 0; a < 3; ++a) atom->f[first + i][a] += force[i][a] - kept[i][a];
-        std::copy_n(force[i], 3, kept[i]);
-    }
+    // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
+    double* __restrict kept = this->force()[first];
+    double* __restrict sum = atom->f[first];
+    const double* __restrict now = force[0];
+    const int* mask = atom->mask + first;
+    int in = groupbit;
+    for (int i = 0; i < count; ++i) in &= mask[i];
+    if (in)
+        for (int k = 0; k < 3 * count; ++k) sum[k] += now[k] - kept[k];
+    else
+        for (int k = 0; k < 3 * count; ++k) sum[k] += mask[k / 3] & groupbit ? now[k] - kept[k] : 0.0;
+    std::copy_n(now, 3 * count, kept);
 }
 
 void FixHotbedDrag::keepForces()

@@ -25,7 +25,9 @@ public:
     /// exactly force times the gas step. @param force  [count][3]
     void set(int first, int count, const double (*force)[3]);
 
-    double** lastStep() const; ///< velocity at the start of the last gas step (3), its length [s]
+    /// Velocity at the end of the last gas step had there been the gas alone (3), one over the length of the step
+    /// [1/s]; zeros before the first one.
+    double** alone() const;
 
     /// Keeps all forces and torques of the particles, or puts them back: LIGGGHTS evaluates them anew when a run
     /// starts, at velocities half a step further on than a run that goes on.
@@ -38,7 +40,7 @@ private:
 
     bool left_ = false; ///< to the integration, which adds the force in its own pass
     class FixPropertyAtom* force_ = nullptr;
-    class FixPropertyAtom* lastStep_ = nullptr;
+    class FixPropertyAtom* alone_ = nullptr;
     class FixPropertyAtom* kept_ = nullptr;
 };
 

@@ -2,6 +2,8 @@
 
 #include "fix_hotbed_heat.h"
 
+#include "vectorised.hpp"
+
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -68,18 +70,22 @@ double* FixHotbedHeat::nusselt() const
     return nusselt_->vector_atom;
 }
 
-void FixHotbedHeat::heatCapacity(int first, int count, double* capacity) const
+HOTBED_VECTORISED void FixHotbedHeat::heatCapacity(int first, int count, double* capacity) const
 {
     const double* ofType = capacity_->get_values() - 1;
-    for (int i = first; i < first + count; ++i) *capacity++ = atom->rmass[i] * ofType[atom->type[i]];
+    const double* mass = atom->rmass + first;
+    const int* type = atom->type + first;
+    for (int i = 0; i < count; ++i) capacity[i] = mass[i] * ofType[type[i]];
 }
 
-void FixHotbedHeat::receive(int first, int count, const double* heat)
+HOTBED_VECTORISED void FixHotbedHeat::receive(int first, int count, const double* heat)
 {
-    double* T = temperature();
-    vector_atom = T;
+    vector_atom = temperature();
+    double* __restrict T = vector_atom + first;
     const double* ofType = capacity_->get_values() - 1;
-    for (int i = first; i < first + count; ++i) T[i] += heat[i - first] / (atom->rmass[i] * ofType[atom->type[i]]);
+    const double* mass = atom->rmass + first;
+    const int* type = atom->type + first;
+    for (int i = 0; i < count; ++i) T[i] += heat[i] / (mass[i] * ofType[type[i]]);
 }
 
 double FixHotbedHeat::compute_scalar()
