@@ -56,6 +56,9 @@ HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const Seen& seen)
     }
     for (int k = 0; k < count; ++k, given += givenFields_)
     {
+        // what comes is on its way by then: rows that are only written wait for the memory, too
+        __builtin_prefetch(given + 32 * givenFields_, 1);
+        __builtin_prefetch(alone[k + 32]);
         const Row4 velocity = row(v[k]), change = velocity - *reinterpret_cast<const Row4*>(alone[k]);
         given[0] = G[k];
         *reinterpret_cast<Row4*>(given + 1) = G[k] * velocity + others[k] * change;
@@ -113,6 +116,7 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
         const Row4 velocity = *reinterpret_cast<const Row4*>(read), gradient = *reinterpret_cast<const Row4*>(read + 3);
         const Row4 drag = given[0] * velocity - *reinterpret_cast<const Row4*>(given + 1) + given[4] * gradient;
         const Row4 force = drag - sphereVolume(radius[k]) * gradient;
+        __builtin_prefetch(alone[k + 32], 1);        // as above
         *reinterpret_cast<Row4*>(forces[k]) = force; // and into the next one's
         *reinterpret_cast<Row4*>(alone[k]) = row(v[k]) + dt / m[k] * force;
         alone[k][3] = rate;

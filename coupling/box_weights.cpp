@@ -223,6 +223,7 @@ template <class Visit> inline void forEach(const BoxWeights& weights, int first,
         const BoxWeights::Rows& rows = weights.rows[std::size_t(first) / group];
         const double* x = weights.row.data() + rows.begin + first % group / lanes * lanes * rows.end;
         int lane = first % lanes;
+        for (int k = 0; k < rows.end; ++k) __builtin_prefetch(x + (4 * rows.end + k) * lanes); // of those to come
         for (const int stop = std::min(lanes, lane + end - first); lane < stop; ++lane, ++first)
             visit(weights.particle[std::size_t(first)],
                   Product{x + lane, x + lane + rows.y * lanes, x + lane + rows.z * lanes});
