@@ -13,7 +13,7 @@ namespace
 {
 
 /// Pairs of a batch: its arrays stay in the nearest cache.
-constexpr int width = 128;
+constexpr int width = 64;
 
 using Lanes = double[width];
 using Index = long long __attribute__((vector_size(32)));
