@@ -132,8 +132,8 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
                                  const double* halfWidth, BoxWeights& weights, double* mass, double* centre,
                                  char* inside)
 {
-    const std::size_t before = std::size_t(weights.particles);
-    if (before % group != 0) throw std::logic_error("box weights: more particles after a group that is not full");
+    if (weights.particles % group != 0)
+        throw std::logic_error("box weights: more particles after a group that is not full");
     BoxWeights::Particle* p = weights.room(count);
     AxisGroup along[3];
     alignas(64) double n[group], inverse[group], within[group], masses[group];
@@ -240,12 +240,14 @@ template <class Slots, class Work> inline void withCounts(const BoxWeights::Part
         if (p.count[1] == 3) return work(nx, std::integral_constant<int, 3>{});
         work(nx, std::integral_constant<int, 4>{});
     };
-    const bool usual = p.count[0] >= 2 && p.count[0] <= 4 && p.count[1] >= 2 && p.count[1] <= 4;
-    if constexpr (!std::is_same_v<Slots, AllSlots>) return work(p.count[0], p.count[1]);
-    if (!usual) return work(p.count[0], p.count[1]);
-    if (p.count[0] == 2) return withY(std::integral_constant<int, 2>{});
-    if (p.count[0] == 3) return withY(std::integral_constant<int, 3>{});
-    withY(std::integral_constant<int, 4>{});
+    if constexpr (std::is_same_v<Slots, AllSlots>)
+        if (p.count[1] >= 2 && p.count[1] <= 4)
+        {
+            if (p.count[0] == 2) return withY(std::integral_constant<int, 2>{});
+            if (p.count[0] == 3) return withY(std::integral_constant<int, 3>{});
+            if (p.count[0] == 4) return withY(std::integral_constant<int, 4>{});
+        }
+    work(p.count[0], p.count[1]);
 }
 
 /// the values of a particle or a cell, as one register where the processor has such
