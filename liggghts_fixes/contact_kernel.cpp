@@ -18,28 +18,69 @@ using Load = ContactRows::Load;
 /// Of a block: few enough that the rows of its particles are no more than what pairs reach over anyway, many batches
 constexpr int blockPairs = 4096;
 
+/// The row behind those of the particles
+inline int nowhere(const ContactPairs& pairs, int local, int all)
+{
+    return pairs.ring + all - local;
+}
+
 /// i less j, but the sum of the fourth
 inline Row less(const Row& i, const Row& j)
 {
     return i + j * Row{-1.0, -1.0, -1.0, 1.0};
 }
 
-/// A pair whose state is not what it was: rare.
-__attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& step, int p, const Row& between)
+/// Bit k: whether lane k is all ones
+__attribute__((target("avx2"))) inline unsigned bits(const Index& lanes)
 {
-    const int i = pairs.i[p], k = p - pairs.start[i];
-    const double square = between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
-    const double reach = between[3] * between[3];
-    if (square < reach)
+    return unsigned(_mm256_movemask_pd(reinterpret_cast<const __m256d&>(lanes)));
+}
+
+using Four = int __attribute__((vector_size(16), aligned(4)));
+
+/// Of each set of four bits those that are set, one after the other, and how many they are
+struct Selection
+{
+    int which[16][4] = {};
+    unsigned count[16] = {};
+};
+
+constexpr Selection selections()
+{
+    Selection s;
+    for (int bits = 0; bits < 16; ++bits)
+        for (int k = 0; k < 4; ++k)
+            if (bits >> k & 1) s.which[bits][s.count[bits]++] = k;
+    return s;
+}
+
+constexpr Selection selection = selections();
+
+/// Four pairs from `first` on, one of which is not in the state that is known: rare. @param now  bits of those that
+/// touch
+__attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& step, const Place* place, int first,
+                                      unsigned now)
+{
+    unsigned char& contact = pairs.contact[first / 4];
+    for (int k = 0; k < 4; ++k)
     {
-        step.flag[i][k] = step.flagBits; // no other bits: reading them first would wait for the memory
-        pairs.contact[p] = TOUCHING;
-    }
-    else if (square < step.parted * reach)
-    {
-        step.flag[i][k] = 0;
-        for (int a = 0; a < 3; ++a) step.history[i][std::size_t(step.stride) * k + step.offset + a] = 0.0;
-        pairs.contact[p] = OPEN;
+        const int p = first + k;
+        const bool touches = now >> k & 1;
+        if ((contact >> k & (TOUCHING | UNSETTLED)) == (touches ? TOUCHING : 0)) continue;
+        const Row between = less(place[pairs.i[p]].center, place[pairs.j[p]].center);
+        const double square = between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
+        const double reach = between[3] * between[3];
+        if (touches)
+            *pairs.flag[p] = step.flagBits; // no other bits: reading them first would wait for the memory
+        else if (square < step.parted * reach)
+        {
+            *pairs.flag[p] = 0;
+            for (int a = 0; a < 3; ++a) pairs.spring[p][a] = 0.0;
+        }
+        else
+            continue;
+        contact &= ~((TOUCHING | UNSETTLED) << k);
+        if (touches) contact |= TOUCHING << k;
     }
 }
 
@@ -50,68 +91,44 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, cons
     const Place* place = rows.place.data();
     const int* first = pairs.i.data();
     const int* second = pairs.j.data();
-    const int mask = pairs.ring - 1;
-    int n = 0;
+    const unsigned char* contact = pairs.contact.data();
+    std::size_t n = 0;
     for (; p < end && n <= width - 4; p += 4)
     {
-        Row row[4], x[4];
-        for (int k = 0; k < 4; ++k)
-            x[k] = row[k] = less(place[first[p + k] & mask].center, place[second[p + k]].center);
+        Row x[4];
+        for (int k = 0; k < 4; ++k) x[k] = less(place[first[p + k]].center, place[second[p + k]].center);
         transpose(x[0], x[1], x[2], x[3]);
-        const Index touches = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3];
-        // a byte for each pair, as in pairs.contact
-        const Index bytes = touches & Index{1, 1 << 8, 1 << 16, 1 << 24};
-        const Index folded = bytes | __builtin_shuffle(bytes, Index{2, 3, 0, 1});
-        const auto now = std::uint32_t(folded[0] | folded[1]);
-        for (int k = 0; k < 4; ++k)
-        {
-            batch.between[n] = row[k];
-            batch.pair[n] = p + k;
-            n += now >> (8 * k) & 1;
-        }
-        std::uint32_t before;
-        std::memcpy(&before, &pairs.contact[p], 4);
-        if (now == before) continue;
-        for (int k = 0; k < 4; ++k)
-            if ((now >> (8 * k) & 1) != pairs.contact[p + k]) settle(pairs, step, p + k, row[k]);
+        const unsigned now = bits(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3]);
+        *reinterpret_cast<Four*>(&batch.pair[n]) = p + *reinterpret_cast<const Four*>(selection.which[now]);
+        n += selection.count[now];
+        if (now != contact[p / 4]) settle(pairs, step, place, p, now);
     }
-    for (int k = 0; k < n; ++k)
-    {
-        const int pair = batch.pair[k], i = first[pair];
-        batch.i[k] = i & mask;
-        batch.j[k] = second[pair];
-        __builtin_prefetch(&rows.motion[batch.j[k]]);
-        __builtin_prefetch(&rows.load[batch.j[k]], 1);
-        if (!friction) continue;
-        batch.spring[k] = step.history[i] + std::size_t(step.stride) * (pair - pairs.start[i]) + step.offset;
-        __builtin_prefetch(batch.spring[k], 1);
-    }
+    if (friction)
+        for (std::size_t k = 0; k < n; ++k) __builtin_prefetch(pairs.spring[batch.pair[k]], 1);
     // the last four lanes that are used are full ones
-    for (int k = n; k % 4 != 0; ++k)
-    {
-        batch.between[k] = batch.between[n - 1];
-        batch.pair[k] = batch.pair[n - 1];
-        batch.i[k] = batch.i[n - 1];
-        batch.j[k] = batch.j[n - 1];
-    }
-    batch.n = n;
+    for (std::size_t k = n; k % 4 != 0; ++k) batch.pair[k] = int(pairs.i.size()) - 1;
+    batch.n = int(n);
     return p;
 }
 
 template <bool friction>
-inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& step, const Motion* motion)
+inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& step, const ContactRows& rows)
 {
+    const Place* place = rows.place.data();
+    const Motion* motion = rows.motion.data();
     for (int k = 0; k < batch.n; k += 4)
     {
-        const Row* between = &batch.between[k];
-        put(batch.delta, k, between[0], between[1], between[2], between[3]);
         const Motion* i[4];
         const Motion* j[4];
+        Row between[4];
         for (int a = 0; a < 4; ++a)
         {
-            i[a] = &motion[batch.i[k + a]];
-            j[a] = &motion[batch.j[k + a]];
+            const int first = pairs.i[batch.pair[k + a]], second = pairs.j[batch.pair[k + a]];
+            between[a] = less(place[first].center, place[second].center);
+            i[a] = &motion[first];
+            j[a] = &motion[second];
         }
+        put(batch.delta, k, between[0], between[1], between[2], between[3]);
         put(batch.velocity, k, less(i[0]->velocity, j[0]->velocity), less(i[1]->velocity, j[1]->velocity),
             less(i[2]->velocity, j[2]->velocity), less(i[3]->velocity, j[3]->velocity));
         if (friction)
@@ -129,21 +146,24 @@ inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& s
     }
     if (!friction) return;
     for (int k = 0; k < batch.n; ++k)
-        for (int a = 0; a < 3; ++a) batch.stretch[a][k] = batch.spring[k][a];
+    {
+        const double* spring = pairs.spring[batch.pair[k]];
+        for (int a = 0; a < 3; ++a) batch.stretch[a][k] = spring[a];
+    }
 }
 
-template <bool friction> inline void scatter(const Batch& batch, Load* load)
+template <bool friction> inline void scatter(const Batch& batch, const ContactPairs& pairs, Load* load)
 {
     for (int k = 0; k < batch.n; k += 4)
     {
         Row force[4], turn[4];
         take(batch.force, k, force);
         if (friction) take(batch.turn, k, turn);
-        const int lanes = batch.n - k < 4 ? batch.n - k : 4;
-        for (int a = 0; a < lanes; ++a)
+        for (int a = 0; a < 4; ++a)
         {
-            Load& i = load[batch.i[k + a]];
-            Load& j = load[batch.j[k + a]];
+            const int pair = batch.pair[k + a];
+            Load& i = load[pairs.i[pair]];
+            Load& j = load[pairs.j[pair]];
             i.force += force[a];
             j.force -= force[a];
             if (friction)
@@ -155,74 +175,108 @@ template <bool friction> inline void scatter(const Batch& batch, Load* load)
     }
     if (!friction) return;
     for (int k = 0; k < batch.n; ++k)
-        for (int a = 0; a < 3; ++a) batch.spring[k][a] = batch.stretch[a][k];
+    {
+        double* spring = pairs.spring[batch.pair[k]];
+        for (int a = 0; a < 3; ++a) spring[a] = batch.stretch[a][k];
+    }
+}
+
+/// Three numbers of a particle and another. @param last  behind its numbers there are none of a next particle to read
+inline Row row(const double (*numbers)[3], int i, double fourth, bool last)
+{
+    const double* from = numbers[i];
+    if (last) return Row{from[0], from[1], from[2], fourth};
+    Row r;
+    std::memcpy(&r, from, sizeof r);
+    return __builtin_shuffle(r, Row{fourth, fourth, fourth, fourth}, Index{0, 1, 2, 4});
 }
 
 /// Puts a particle into its row.
-template <bool friction> inline void enter(ContactRows& rows, int row, const ContactParticles& particles, int i)
+template <bool friction> inline void enter(ContactRows& rows, int at, const ContactParticles& particles, int i)
 {
-    const double *x = particles.x[i], *v = particles.v[i], *w = particles.omega[i];
+    const bool last = i + 1 == particles.all;
     const double r = particles.radius[i];
-    rows.place[row].center = Row{x[0], x[1], x[2], r};
-    rows.motion[row].velocity = Row{v[0], v[1], v[2], 1.0 / particles.mass[i]};
-    if (friction) rows.motion[row].spin = Row{w[0], w[1], w[2], r};
-    rows.load[row] = Load{};
+    rows.place[at].center = row(particles.x, i, r, last);
+    rows.motion[at].velocity = row(particles.v, i, 1.0 / particles.mass[i], last);
+    if (friction) rows.motion[at].spin = row(particles.omega, i, r, last);
+    rows.load[at] = Load{};
 }
 
-/// Gives what a row has got to its particle.
+/// Gives what a row has got to its particle, one after the other: where forces are set and not added to, the fourth
+/// entry goes where the next particle's are set afterwards.
 template <bool friction> inline void leave(const Load& load, const ContactParticles& particles, int i, bool add)
 {
     double *force = particles.force[i], *torque = particles.torque[i];
+    if (!add && i + 1 < particles.local)
+    {
+        std::memcpy(force, &load.force, sizeof load.force);
+        std::memcpy(torque, &load.torque, sizeof load.torque);
+        return;
+    }
     for (int a = 0; a < 3; ++a) force[a] = add ? force[a] + load.force[a] : load.force[a];
     if (!friction && add) return;
     for (int a = 0; a < 3; ++a) torque[a] = add ? torque[a] + load.torque[a] : load.torque[a];
 }
 
-template <bool friction>
+template <class Vector, bool friction>
 inline void run(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
     for (int i = particles.local; i < particles.all; ++i)
         enter<friction>(rows, pairs.ring + i - particles.local, particles, i);
-    rows.place[pairs.ring + particles.all - particles.local].center = Row{1e100, 0.0, 0.0, 0.0};
+    for (int k = 0; k < 2; ++k) // of the pairs that fill up: apart, at rest
+    {
+        const int row = nowhere(pairs, particles.local, particles.all) + k;
+        rows.place[row].center = Row{double(k), 0.0, 0.0, 0.0};
+        rows.motion[row] = {Row{0.0, 0.0, 0.0, 1.0}, Row{}};
+        rows.load[row] = Load{};
+    }
 
     Batch batch;
     fill(batch, step.constants[0]);
-    const int mask = pairs.ring - 1;
-    int p = 0, entered = 0, left = 0;
+    int p = 0, entered = 0, left = 0, next = 0, first = 0; // the last two: rows
     for (const PairBlock& block : pairs.blocks)
     {
-        for (; entered < block.entered; ++entered) enter<friction>(rows, entered & mask, particles, entered);
+        for (; entered < block.entered; ++entered)
+        {
+            enter<friction>(rows, next, particles, entered);
+            if (++next == pairs.ring) next = 0;
+        }
         while (p < block.end)
         {
             p = find<friction>(batch, pairs, step, rows, p, block.end);
-            gather<friction>(batch, pairs, step, rows.motion.data());
-            law<friction>(batch, step.timestep);
-            scatter<friction>(batch, rows.load.data());
+            gather<friction>(batch, pairs, step, rows);
+            law<Vector, friction>(batch, step.timestep);
+            scatter<friction>(batch, pairs, rows.load.data());
         }
-        for (; left < block.left; ++left) leave<friction>(rows.load[left & mask], particles, left, step.add);
+        for (; left < block.left; ++left)
+        {
+            leave<friction>(rows.load[first], particles, left, step.add);
+            if (++first == pairs.ring) first = 0;
+        }
     }
     for (; !step.add && left < particles.local; ++left) leave<friction>(Load{}, particles, left, false); // of no pair
 }
 
+template <class Vector>
 inline void forces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
     if (step.friction)
-        run<true>(particles, pairs, step, rows);
+        run<Vector, true>(particles, pairs, step, rows);
     else
-        run<false>(particles, pairs, step, rows);
+        run<Vector, false>(particles, pairs, step, rows);
 }
 
 // all of the above, compiled for each of the two
 __attribute__((target("arch=x86-64-v3"), flatten)) void runAvx2(const ContactParticles& particles, ContactPairs& pairs,
                                                                 const ContactStep& step, ContactRows& rows)
 {
-    forces(particles, pairs, step, rows);
+    forces<Row>(particles, pairs, step, rows);
 }
 
 __attribute__((target("arch=x86-64-v4"), flatten)) void
 runAvx512(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    forces(particles, pairs, step, rows);
+    forces<Wide>(particles, pairs, step, rows);
 }
 
 } // namespace
@@ -232,14 +286,24 @@ bool canVectorise()
     return __builtin_cpu_supports("x86-64-v3");
 }
 
-void arrange(ContactPairs& pairs, int local)
+void ContactPairs::resize(int count)
 {
-    const int count = int(pairs.i.size());
+    const std::size_t filled = (std::size_t(count) / 4 + 1) * 4; // one at least fills up
+    i.resize(filled);
+    j.resize(filled);
+    types.assign(filled, 0);
+    contact.assign(filled / 4, 0);
+    flag.resize(filled);
+    spring.assign(filled, nowhere);
+}
+
+void arrange(ContactPairs& pairs, int count, int local, int all)
+{
     bool ordered = true; // as LIGGGHTS lists them
     for (int p = 0; p < count; ++p)
         ordered =
             ordered && (p == 0 || pairs.i[p - 1] <= pairs.i[p]) && (pairs.j[p] >= local || pairs.j[p] > pairs.i[p]);
-    const int length = ordered ? blockPairs : count;
+    const int length = ordered ? blockPairs : std::max(count, 1);
     pairs.blocks.clear();
     pairs.ring = 1;
     int entered = 0, left = 0;
@@ -248,16 +312,22 @@ void arrange(ContactPairs& pairs, int local)
         const int end = std::min(first + length, count);
         for (int p = first; p < end; ++p)
             entered = std::max({entered, pairs.i[p] + 1, pairs.j[p] < local ? pairs.j[p] + 1 : 0});
-        while (pairs.ring < entered - left) pairs.ring *= 2;
+        pairs.ring = std::max(pairs.ring, entered - left);
         left = end < count ? std::min(pairs.i[end], entered) : entered;
-        pairs.blocks.push_back({end, entered, left});
+        pairs.blocks.push_back({(end + 3) / 4 * 4, entered, left});
     }
-    for (int& j : pairs.j) j = j < local ? j & (pairs.ring - 1) : pairs.ring + j - local;
+    for (int p = 0; p < count; ++p)
+    {
+        pairs.i[p] %= pairs.ring;
+        pairs.j[p] = pairs.j[p] < local ? pairs.j[p] % pairs.ring : pairs.ring + pairs.j[p] - local;
+    }
+    std::fill(pairs.i.begin() + count, pairs.i.end(), nowhere(pairs, local, all));
+    std::fill(pairs.j.begin() + count, pairs.j.end(), nowhere(pairs, local, all) + 1);
 }
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    const std::size_t count = std::size_t(pairs.ring + particles.all - particles.local) + 1;
+    const std::size_t count = std::size_t(nowhere(pairs, particles.local, particles.all)) + 2;
     rows.place.resize(count);
     rows.motion.resize(count);
     rows.load.resize(count);

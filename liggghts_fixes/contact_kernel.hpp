@@ -17,12 +17,12 @@ struct ContactConstants
     Row tangential;         ///< k_t, eta_t, eta_t over the root of the effective mass, 1/k_t (0 without spring)
 };
 
-/// What a pair's contact flag and spring are known to be
+/// What a pair's contact flag and spring are known to be: bits of the first of four pairs in ContactPairs::contact,
+/// those of the others are next to them. None: apart, no spring
 enum Contact : unsigned char
 {
-    OPEN = 0,
     TOUCHING = 1,
-    UNSETTLED = 2 ///< as left by a rebuild of the neighbour list: part of the flags set
+    UNSETTLED = 16 ///< as left by a rebuild of the neighbour list: part of the flags set
 };
 
 /// Pairs that are looked through in one go
@@ -33,17 +33,21 @@ struct PairBlock
     int left;    ///< the local particle before which all are done with after it
 };
 
-/// The pairs of LIGGGHTS' neighbour list one after the other, from one rebuild to the next. A multiple of four: filled
-/// up with pairs of the particle behind the last one.
+/// The pairs of LIGGGHTS' neighbour list one after the other, from one rebuild to the next, looked at four at a time;
+/// behind them pairs of two particles that are nowhere, which fill up the last four.
 struct ContactPairs
 {
-    std::vector<int> i;
-    std::vector<int> j;                 ///< its row, from arrange() on
-    std::vector<unsigned char> contact; ///< a Contact
+    std::vector<int> i, j;              ///< particles; from arrange() on their rows
+    std::vector<unsigned char> contact; ///< of four pairs
     std::vector<unsigned short> types;  ///< which constants
-    std::vector<int> start;             ///< of each particle i: its first pair
+    std::vector<int*> flag;             ///< LIGGGHTS' contact flag and spring
+    std::vector<double*> spring;
     std::vector<PairBlock> blocks;
-    int ring = 1; ///< rows of local particles, a power of two; those of ghosts follow
+    int ring = 1;           ///< rows of local particles; those of ghosts follow
+    double nowhere[3] = {}; ///< spring of pairs that fill up
+
+    /// Room for a number of pairs, which are apart, and for those that fill up.
+    void resize(int count);
 };
 
 /// LIGGGHTS' particles: local ones first, then ghosts
@@ -67,11 +71,7 @@ struct ContactStep
     bool add;          ///< to forces and torques that are there; false: these are set, also those of no pair
     double timestep;
     double parted; ///< squared distance over squared sum of radii up to which a spring ends
-    int** flag;    ///< LIGGGHTS' contact flags and history of the pairs of each particle i
-    double** history;
-    int flagBits; ///< of a touching pair
-    int stride;   ///< values of history a pair
-    int offset;   ///< of the spring among them
+    int flagBits;  ///< of a touching pair
 };
 
 /// The particles as the kernel wants them, a row of four numbers at a time. LIGGGHTS sorts particles by their places
@@ -94,7 +94,7 @@ struct ContactRows
         alignas(64) Row force; ///< the fourth entries mean nothing
         Row torque;
     };
-    std::vector<Place> place; ///< behind the last one: a particle that is nowhere
+    std::vector<Place> place; ///< behind the last one: two particles that are nowhere
     std::vector<Motion> motion;
     std::vector<Load> load;
 };
@@ -116,8 +116,10 @@ bool canVectorise();
 void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
                 const ContactConstants* constants, double timestep);
 
-/// Blocks and rows of pairs whose j are particles yet.
-void arrange(ContactPairs& pairs, int local);
+/// Blocks and rows of pairs that are known by their particles yet, and pairs that fill up.
+/// @param count  of pairs
+/// @param local  particles, of `all`
+void arrange(ContactPairs& pairs, int count, int local, int all);
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows);
 

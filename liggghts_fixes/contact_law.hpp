@@ -6,6 +6,7 @@
 #include "contact_kernel.hpp"
 
 #include <cmath>
+#include <immintrin.h>
 
 namespace hotbed
 {
@@ -16,14 +17,13 @@ namespace
 constexpr int width = 64;
 
 using Lanes = double[width];
+using Wide = double __attribute__((vector_size(64)));
 using Index = long long __attribute__((vector_size(32)));
 
 struct Batch
 {
     int n = 0;
-    int pair[width + 4], i[width + 4], j[width + 4];
-    double* spring[width];
-    alignas(64) Row between[width + 4];
+    int pair[width + 4];
     // x, y, z and a fourth quantity of each pair
     alignas(64) Lanes delta[4] = {};    // sum of radii
     alignas(64) Lanes velocity[4] = {}; // sum of inverse masses
@@ -75,80 +75,109 @@ inline void fill(Batch& batch, const ContactConstants& c)
     }
 }
 
-constexpr double nearlyNothing = 1e-300;
+template <class Vector> inline const Vector& lanes(const Lanes& from, int k)
+{
+    return *reinterpret_cast<const Vector*>(&from[k]);
+}
 
-inline double larger(double a, double b)
+template <class Vector> inline void put(Lanes& to, int k, const Vector& values)
+{
+    *reinterpret_cast<Vector*>(&to[k]) = values;
+}
+
+template <class Vector> inline Vector larger(const Vector& a, const Vector& b)
 {
     return a > b ? a : b;
 }
 
+inline void inverseRoot(const Row& x, Row& y)
+{
+    for (int k = 0; k < 4; ++k) y[k] = 1.0 / std::sqrt(x[k]);
+}
+
+/// From the processor's estimate of 14 bits by an iteration of fourth order, to the last digit or the one before: roots
+/// and divisions of eight numbers take several times as long.
+__attribute__((target("arch=x86-64-v4"))) inline void inverseRoot(const Wide& x, Wide& y)
+{
+    const Wide estimate = _mm512_maskz_rsqrt14_pd(0xff, x);
+    const Wide e = 1.0 - x * estimate * estimate;
+    y = estimate + estimate * e * (0.5 + e * (0.375 + 0.3125 * e));
+}
+
 /// All lanes, also those that are not used: a fixed number is what the compiler does best. OpenFOAM stops at a division
 /// by zero, so unused lanes hold a contact, too.
-template <bool friction> inline void law(Batch& b, double timestep)
+/// @tparam Vector  as many lanes as the processor takes at a time
+template <class Vector, bool friction> inline void law(Batch& b, double timestep)
 {
-    for (int k = 0; k < width; ++k)
+    const Vector nearlyNothing = Vector{} + 1e-300, never = Vector{} + 1e300;
+    for (int k = 0; k < width; k += sizeof(Vector) / sizeof(double))
     {
-        const double dx = b.delta[0][k], dy = b.delta[1][k], dz = b.delta[2][k];
-        const double vx = b.velocity[0][k], vy = b.velocity[1][k], vz = b.velocity[2][k];
-        const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
-        const double inverse = 1.0 / r;
-        const double ex = dx * inverse, ey = dy * inverse, ez = dz * inverse;
-        const double overlap = b.delta[3][k] - r;
-        const double root = 1.0 / std::sqrt(b.velocity[3][k]); // of the effective mass
-        const double vn = vx * ex + vy * ey + vz * ez;
-        const double fn = b.normal[0][k] * overlap - (b.normal[1][k] + b.normal[2][k] * root) * vn;
+        const auto at = [k](const Lanes& from) { return lanes<Vector>(from, k); };
+        const Vector dx = at(b.delta[0]), dy = at(b.delta[1]), dz = at(b.delta[2]);
+        const Vector vx = at(b.velocity[0]), vy = at(b.velocity[1]), vz = at(b.velocity[2]);
+        const Vector distance2 = dx * dx + dy * dy + dz * dz;
+        Vector inverse, root; // of the distance, of the effective mass
+        inverseRoot(distance2, inverse);
+        inverseRoot(at(b.velocity[3]), root);
+        const Vector ex = dx * inverse, ey = dy * inverse, ez = dz * inverse;
+        const Vector overlap = at(b.delta[3]) - distance2 * inverse;
+        const Vector vn = vx * ex + vy * ey + vz * ez;
+        const Vector fn = at(b.normal[0]) * overlap - (at(b.normal[1]) + at(b.normal[2]) * root) * vn;
         if (!friction)
         {
-            b.force[0][k] = fn * ex;
-            b.force[1][k] = fn * ey;
-            b.force[2][k] = fn * ez;
+            put<Vector>(b.force[0], k, fn * ex);
+            put<Vector>(b.force[1], k, fn * ey);
+            put<Vector>(b.force[2], k, fn * ez);
             continue;
         }
-        const double ai = b.spin_i[3][k] - 0.5 * overlap, aj = b.spin_j[3][k] - 0.5 * overlap;
-        const double wx = ai * b.spin_i[0][k] + aj * b.spin_j[0][k];
-        const double wy = ai * b.spin_i[1][k] + aj * b.spin_j[1][k];
-        const double wz = ai * b.spin_i[2][k] + aj * b.spin_j[2][k];
-        const double ux = vx - vn * ex - (ez * wy - ey * wz);
-        const double uy = vy - vn * ey - (ex * wz - ez * wx);
-        const double uz = vz - vn * ez - (ey * wx - ex * wy);
+        const Vector ai = at(b.spin_i[3]) - 0.5 * overlap, aj = at(b.spin_j[3]) - 0.5 * overlap;
+        const Vector wx = ai * at(b.spin_i[0]) + aj * at(b.spin_j[0]);
+        const Vector wy = ai * at(b.spin_i[1]) + aj * at(b.spin_j[1]);
+        const Vector wz = ai * at(b.spin_i[2]) + aj * at(b.spin_j[2]);
+        const Vector ux = vx - vn * ex - (ez * wy - ey * wz);
+        const Vector uy = vy - vn * ey - (ex * wz - ez * wx);
+        const Vector uz = vz - vn * ez - (ey * wx - ex * wy);
 
         // the spring, turned with the contact plane, keeping its length
-        double sx = b.stretch[0][k], sy = b.stretch[1][k], sz = b.stretch[2][k];
-        const double before = sx * sx + sy * sy + sz * sz;
-        const double out = sx * ex + sy * ey + sz * ez;
+        Vector sx = at(b.stretch[0]), sy = at(b.stretch[1]), sz = at(b.stretch[2]);
+        const Vector before = sx * sx + sy * sy + sz * sz;
+        const Vector out = sx * ex + sy * ey + sz * ez;
         sx -= out * ex;
         sy -= out * ey;
         sz -= out * ez;
-        const double after = sx * sx + sy * sy + sz * sz;
-        const double scale = std::sqrt(before / larger(after, nearlyNothing));
+        const Vector after = sx * sx + sy * sy + sz * sz;
+        Vector scale;
+        inverseRoot(larger<Vector>(before * after, nearlyNothing), scale);
+        scale *= before;
         sx = scale * sx + ux * timestep;
         sy = scale * sy + uy * timestep;
         sz = scale * sz + uz * timestep;
 
-        const double kt = b.tangential[0][k], invKt = b.tangential[3][k];
-        const double damping = b.tangential[1][k] + b.tangential[2][k] * root;
-        double tx = -kt * sx - damping * ux, ty = -kt * sy - damping * uy, tz = -kt * sz - damping * uz;
-        const double square = tx * tx + ty * ty + tz * tz;
-        const double limit = b.normal[3][k] * std::fabs(fn);
-        const double ratio = limit / std::sqrt(larger(square, larger(limit * limit, nearlyNothing)));
+        const Vector kt = at(b.tangential[0]), invKt = at(b.tangential[3]);
+        const Vector damping = at(b.tangential[1]) + at(b.tangential[2]) * root;
+        Vector tx = -kt * sx - damping * ux, ty = -kt * sy - damping * uy, tz = -kt * sz - damping * uz;
+        const Vector square = tx * tx + ty * ty + tz * tz;
+        const Vector limit = at(b.normal[3]) * larger<Vector>(fn, -fn), limit2 = limit * limit;
+        Vector ratio;
+        inverseRoot(larger<Vector>(square, larger<Vector>(limit2, nearlyNothing)), ratio);
+        ratio *= limit;
         tx *= ratio;
         ty *= ratio;
         tz *= ratio;
-        const bool shortened = (square > limit * limit) & (invKt > 0.0);
-        const double cx = -(tx + damping * ux) * invKt, cy = -(ty + damping * uy) * invKt,
-                     cz = -(tz + damping * uz) * invKt;
-        b.stretch[0][k] = shortened ? cx : sx;
-        b.stretch[1][k] = shortened ? cy : sy;
-        b.stretch[2][k] = shortened ? cz : sz;
+        // a spring that friction shortens to what it holds, where there is one
+        const Vector least = invKt > 0.0 ? limit2 : never;
+        put<Vector>(b.stretch[0], k, square > least ? -(tx + damping * ux) * invKt : sx);
+        put<Vector>(b.stretch[1], k, square > least ? -(ty + damping * uy) * invKt : sy);
+        put<Vector>(b.stretch[2], k, square > least ? -(tz + damping * uz) * invKt : sz);
 
-        b.force[0][k] = fn * ex + tx;
-        b.force[1][k] = fn * ey + ty;
-        b.force[2][k] = fn * ez + tz;
-        b.force[3][k] = ai;
-        b.turn[0][k] = ey * tz - ez * ty;
-        b.turn[1][k] = ez * tx - ex * tz;
-        b.turn[2][k] = ex * ty - ey * tx;
-        b.turn[3][k] = aj;
+        put<Vector>(b.force[0], k, fn * ex + tx);
+        put<Vector>(b.force[1], k, fn * ey + ty);
+        put<Vector>(b.force[2], k, fn * ez + tz);
+        put<Vector>(b.force[3], k, ai);
+        put<Vector>(b.turn[0], k, ey * tz - ez * ty);
+        put<Vector>(b.turn[1], k, ez * tx - ex * tz);
+        put<Vector>(b.turn[2], k, ex * ty - ey * tx);
+        put<Vector>(b.turn[3], k, aj);
     }
 }
 

@@ -127,33 +127,29 @@ void VectorisedPair::takeList(PairGran& pair)
     double** history = pair.listgranhistory->firstdouble;
     const int* type = lmp_.atom->type;
     const int types = lmp_.atom->ntypes;
-    const int all = lmp_.atom->nlocal + lmp_.atom->nghost;
-    std::size_t count = 0;
+    const int local = lmp_.atom->nlocal;
+    int count = 0;
     for (int n = 0; n < list.inum; ++n) count += list.numneigh[list.ilist[n]];
-    const std::size_t filled = (count + 3) / 4 * 4;
-    pairs_.start.resize(all + 1);
-    pairs_.i.assign(filled, list.inum > 0 ? list.ilist[list.inum - 1] : 0);
-    pairs_.j.assign(filled, all); // the particle behind the last one is nowhere
-    pairs_.contact.assign(filled, OPEN);
-    pairs_.types.assign(filled, 0);
+    pairs_.resize(count);
     int p = 0;
     for (int n = 0; n < list.inum; ++n)
     {
         const int i = list.ilist[n];
-        pairs_.start[i] = p;
         for (int k = 0; k < list.numneigh[i]; ++k, ++p)
         {
             const int j = list.firstneigh[i][k] & NEIGHMASK;
             const int bits = flag[i][k] & flagBits;
             pairs_.i[p] = i;
             pairs_.j[p] = j;
-            pairs_.contact[p] = bits == 0 ? OPEN : bits == flagBits ? TOUCHING : UNSETTLED;
+            pairs_.flag[p] = &flag[i][k];
+            pairs_.spring[p] = history[i] + std::size_t(pair.dnum()) * k + offset_;
+            if (bits) pairs_.contact[p / 4] |= (bits == flagBits ? TOUCHING : UNSETTLED) << p % 4;
             // without friction nothing keeps the springs of an earlier run, or of the plain loop, up to date
-            if (bits && !friction_) std::fill_n(history[i] + std::size_t(pair.dnum()) * k + offset_, 3, 0.0);
+            if (bits && !friction_) std::fill_n(pairs_.spring[p], 3, 0.0);
             pairs_.types[p] = (unsigned short)((type[i] - 1) * types + type[j] - 1);
         }
     }
-    arrange(pairs_, lmp_.atom->nlocal);
+    arrange(pairs_, count, local, local + lmp_.atom->nghost);
     stale_ = false;
 }
 
@@ -208,11 +204,7 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.add = !first_;
     step.timestep = lmp_.update->dt;
     step.parted = lmp_.neighbor->contactDistanceFactor * lmp_.neighbor->contactDistanceFactor;
-    step.flag = pair->listgranhistory->firstneigh;
-    step.history = pair->listgranhistory->firstdouble;
     step.flagBits = flagBits;
-    step.stride = pair->dnum();
-    step.offset = offset_;
     contactForces(contactParticles(*lmp_.atom), pairs_, step, rows_);
 }
 

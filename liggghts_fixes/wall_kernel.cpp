@@ -7,6 +7,7 @@ namespace hotbed
 namespace
 {
 
+template <class Vector>
 inline void runWall(const ContactParticles& particles, const std::vector<WallContact>& contacts,
                     const ContactConstants* constants, double timestep)
 {
@@ -36,7 +37,7 @@ inline void runWall(const ContactParticles& particles, const std::vector<WallCon
                 batch.tangential[a][k] = c.tangential[a];
             }
         }
-        law<true>(batch, timestep);
+        law<Vector, true>(batch, timestep);
         for (int k = 0; k < n; ++k)
         {
             const int i = contact[k].particle;
@@ -54,14 +55,14 @@ __attribute__((target("arch=x86-64-v3"), flatten)) void wallAvx2(const ContactPa
                                                                  const std::vector<WallContact>& contacts,
                                                                  const ContactConstants* constants, double timestep)
 {
-    runWall(particles, contacts, constants, timestep);
+    runWall<Row>(particles, contacts, constants, timestep);
 }
 
 __attribute__((target("arch=x86-64-v4"), flatten)) void wallAvx512(const ContactParticles& particles,
                                                                    const std::vector<WallContact>& contacts,
                                                                    const ContactConstants* constants, double timestep)
 {
-    runWall(particles, contacts, constants, timestep);
+    runWall<Wide>(particles, contacts, constants, timestep);
 }
 
 } // namespace

@@ -19,9 +19,7 @@ constexpr double diameter = 1e-3, spacing = 0.98e-3;
 struct Column
 {
     std::vector<double> x, v, omega, force, torque, radius, mass, springs;
-    std::vector<int> flags;
-    std::vector<double*> history;
-    std::vector<int*> flag;
+    std::vector<int> flags, first; ///< of each particle: its first pair among flags and springs
     ContactPairs pairs;
 
     Column()
@@ -49,34 +47,38 @@ struct Column
     /// @param order  of the particles whose pairs are listed; each pair is listed with the earlier particle
     void list(const std::vector<int>& order)
     {
-        pairs.start.resize(number);
+        struct Pair
+        {
+            int i, j;
+        };
+        std::vector<Pair> listed;
+        first.assign(number + 1, 0);
         for (const int i : order)
         {
-            pairs.start[i] = int(pairs.i.size());
             const auto add = [&](int j)
             {
                 if (distance(i, j) > 1.1 * diameter) return;
-                pairs.i.push_back(i);
-                pairs.j.push_back(j);
+                listed.push_back({i, j});
+                ++first[i + 1];
             };
             for (int j = i + 1; j < std::min(number, i + 2 * across * across); ++j) add(j);
             for (int j = number; j < number + ghosts; ++j) add(j);
         }
-        while (pairs.i.size() % 4 != 0)
+        std::partial_sum(first.begin(), first.end(), first.begin());
+        const int count = int(listed.size());
+        springs.assign(3 * listed.size(), 0.0);
+        flags.assign(listed.size(), 0);
+        pairs.resize(count);
+        std::vector<int> next = first;
+        for (int p = 0; p < count; ++p)
         {
-            pairs.i.push_back(pairs.i.back());
-            pairs.j.push_back(number + ghosts);
+            const auto [i, j] = listed[p];
+            pairs.i[p] = i;
+            pairs.j[p] = j;
+            pairs.flag[p] = &flags[next[i]];
+            pairs.spring[p] = &springs[3 * std::size_t(next[i]++)];
         }
-        pairs.contact.assign(pairs.i.size(), OPEN);
-        pairs.types.assign(pairs.i.size(), 0);
-        springs.assign(3 * pairs.i.size(), 0.0);
-        flags.assign(pairs.i.size(), 0);
-        for (int i = 0; i < number; ++i)
-        {
-            history.push_back(&springs[3 * std::size_t(pairs.start[i])]);
-            flag.push_back(&flags[std::size_t(pairs.start[i])]);
-        }
-        arrange(pairs, number);
+        arrange(pairs, count, number, number + ghosts);
     }
 
     /// Forces of some steps at the same places: the springs grow.
@@ -84,7 +86,7 @@ struct Column
     void steps(int count = 3, bool add = true)
     {
         const ContactConstants constants = {{500.0, 1e-3, 0.0, 0.1}, {150.0, 1e-3, 0.0, 1.0 / 150.0}};
-        const ContactStep step = {&constants, true, true, add, 1e-5, 1.01 * 1.01, flag.data(), history.data(), 3, 3, 0};
+        const ContactStep step = {&constants, true, true, add, 1e-5, 1.01 * 1.01, 3};
         const auto rows = [](std::vector<double>& values) { return reinterpret_cast<double(*)[3]>(values.data()); };
         const ContactParticles particles = {number,        number + ghosts, rows(x),     rows(v),     rows(omega),
                                             radius.data(), mass.data(),     rows(force), rows(torque)};
@@ -126,9 +128,8 @@ TEST(ContactKernel, rowsTakeTurnsAndForcesAreThoseOfAllRowsAtOnce)
     EXPECT_GT(std::count(sorted.flags.begin(), sorted.flags.end(), 3), 2 * number) << "contacts";
     EXPECT_LT(apart(sorted.force, any.force), 1e-13);
     EXPECT_LT(apart(sorted.torque, any.torque), 1e-13);
-    for (int i = 0; i + 1 < number; ++i)
-        for (int k = 0; k < 3 * (sorted.pairs.start[i + 1] - sorted.pairs.start[i]); ++k)
-            ASSERT_EQ(sorted.history[i][k], any.history[i][k]);
+    EXPECT_EQ(sorted.flags, any.flags);
+    EXPECT_EQ(sorted.springs, any.springs);
 }
 
 TEST(ContactKernel, forcesAreSetOrAddedTo)
@@ -137,11 +138,7 @@ TEST(ContactKernel, forcesAreSetOrAddedTo)
     std::vector<int> order(number - 2 * across * across); // the uppermost particles have no pairs
     std::iota(order.begin(), order.end(), 0);
     Column added, set;
-    for (Column* column : {&added, &set})
-    {
-        column->pairs.start.assign(number, 0);
-        column->list(order);
-    }
+    for (Column* column : {&added, &set}) column->list(order);
     std::fill(set.force.begin(), set.force.end(), 7.0);
     std::fill(set.torque.begin(), set.torque.end(), 7.0);
     added.steps(1);
