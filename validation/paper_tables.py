@@ -7,7 +7,8 @@ STEM_profile.csv      particle temperature over the height at single times, laye
 STEM_nusselt.csv      PDF of the Nusselt number, all particles in all dumps since the start has passed, with its standard
                       error from blocks of time (Fig 12)
 
-Each line begins with `l`, `u0` and `nudge`, the factor of `u0` that makes a repeat of a run.
+Each line begins with `l`, `u0` and `nudge`, the factor of `u0` that makes a repeat of a run. Runs to the same end whose folders
+are not there (any more) keep their lines: long campaigns are made in pieces.
 """
 
 import csv
@@ -31,11 +32,23 @@ def path(stem, table):
     return Path(f"{stem}{'_' if table else ''}{table}.csv")
 
 
-def write(stem, table, columns, rows, digits=6):
-    """@param rows  key (l, u0, nudge), then numbers"""
+def lines_by_key(stem, table):
+    """Lines of a table that was written, as text, by the key (l, u0, nudge) as text; nothing without a table."""
+    found = {}
+    if path(stem, table).is_file():
+        for line in path(stem, table).read_text().splitlines()[1:]:
+            found.setdefault(tuple(line.split(",")[:len(KEY)]), []).append(line.split(","))
+    return found
+
+
+def write(stem, table, columns, rows, kept, digits=6):
+    """@param rows  key (l, u0, nudge), then numbers. @param kept  keys, as text, whose lines stay"""
+    old = lines_by_key(stem, table)
     with open(path(stem, table), "w", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow([*KEY, *columns])
+        for key in kept:
+            lines.writerows(old.get(key, []))
         lines.writerows([*key, *(f"{x:.{digits}g}" for x in numbers)] for key, *numbers in rows)
 
 
@@ -67,12 +80,14 @@ def make(stem, folders, times, start):
     for run in runs.values():
         run.dumps = {t: p for t, p in run.dumps.items() if t <= times[-1] + 1e-9}
     shown = times_to_show(list(runs.values()), 2)
+    made = {tuple(map(str, key)) for key in runs}
+    kept = [key for key, lines in lines_by_key(stem, "").items() if key not in made and float(lines[-1][len(KEY)]) == times[-1]]
     write(stem, "", ("time_s", "T_mean_K", "Nu_mean"), (
         (key, *row) for key, run in runs.items()
-        for row in zip(times, *(np.interp(times, run.bed["time_s"], run.bed[c]) for c in ("T_mean_K", "Nu_mean")))), digits=9)
-    write(stem, "temperature", ("time_s", "T_K", "density_per_K"), temperatures(runs, shown))
-    write(stem, "profile", ("time_s", "z_mm", "T_K", "particles"), profiles(runs, shown))
-    write(stem, "nusselt", ("Nu", "density", "error"), nusselts(runs, start))
+        for row in zip(times, *(np.interp(times, run.bed["time_s"], run.bed[c]) for c in ("T_mean_K", "Nu_mean")))), kept, digits=9)
+    write(stem, "temperature", ("time_s", "T_K", "density_per_K"), temperatures(runs, shown), kept)
+    write(stem, "profile", ("time_s", "z_mm", "T_K", "particles"), profiles(runs, shown), kept)
+    write(stem, "nusselt", ("Nu", "density", "error"), nusselts(runs, start), kept)
     return runs, shown
 
 
