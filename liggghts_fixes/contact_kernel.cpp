@@ -69,19 +69,34 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
         if ((contact >> k & (TOUCHING | UNSETTLED)) == (touches ? TOUCHING : 0)) continue;
         const Row between = less(place[pairs.i[p]].center, place[pairs.j[p]].center);
         const double square = between[0] * between[0] + between[1] * between[1] + between[2] * between[2];
-        const double reach = between[3] * between[3];
-        if (touches)
-            *pairs.flag[p] = step.flagBits; // no other bits: reading them first would wait for the memory
-        else if (square < step.parted * reach)
-        {
-            *pairs.flag[p] = 0;
-            for (int a = 0; a < 3; ++a) pairs.spring[p][a] = 0.0;
-        }
-        else
-            continue;
+        if (!touches && !(square < step.parted * between[3] * between[3])) continue;
         contact &= ~((TOUCHING | UNSETTLED) << k);
         if (touches) contact |= TOUCHING << k;
+        pairs.changed.push_back(p);
     }
+}
+
+/// Flags and springs of the pairs that were settled. They lie anywhere in the memory, so all are on their way before
+/// the first is needed.
+void tell(ContactPairs& pairs, int flagBits)
+{
+    for (const int p : pairs.changed)
+    {
+        __builtin_prefetch(&pairs.flag[p]);
+        __builtin_prefetch(&pairs.spring[p]);
+    }
+    for (const int p : pairs.changed)
+    {
+        __builtin_prefetch(pairs.flag[p], 1);
+        __builtin_prefetch(pairs.spring[p], 1);
+    }
+    for (const int p : pairs.changed)
+    {
+        const bool touches = pairs.contact[p / 4] >> p % 4 & TOUCHING;
+        *pairs.flag[p] = touches ? flagBits : 0; // no other bits: reading them first would wait
+        if (!touches) std::fill_n(pairs.spring[p], 3, 0.0);
+    }
+    pairs.changed.clear();
 }
 
 /// Looks through the pairs from p on until the batch is full. @return the next pair to look at
@@ -255,6 +270,7 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
         }
     }
     for (; !step.add && left < particles.local; ++left) leave<friction>(Load{}, particles, left, false); // of no pair
+    tell(pairs, step.flagBits);
 }
 
 template <class Vector>

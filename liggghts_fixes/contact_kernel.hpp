@@ -42,6 +42,7 @@ struct ContactPairs
     std::vector<unsigned short> types;  ///< which constants
     std::vector<int*> flag;             ///< LIGGGHTS' contact flag and spring
     std::vector<double*> spring;
+    std::vector<int> changed; ///< pairs whose flag and spring wait for the end of the step
     std::vector<PairBlock> blocks;
     int ring = 1;           ///< rows of local particles; those of ghosts follow
     double nowhere[3] = {}; ///< spring of pairs that fill up
