@@ -1,5 +1,6 @@
 """Tables and figures of the paper's campaign, from made-up runs whose distances are known."""
 
+import shutil
 import sys
 import tempfile
 import unittest
@@ -43,8 +44,9 @@ class Paper(unittest.TestCase):
         cls.stem = cls.folder / "paper"
         runs = {("1", "0.2", 1): (8.0, 10), ("2", "0.2", 1): (8.4, 11), ("2", "0.2", 1.000001): (8.4, 11), ("1", "0.3", 1): (7.0, 12),
                 ("2", "0.3", 1): (7.0, 12)}
-        cls.made = paper_tables.make(cls.stem, {key: make_up(cls.folder / "-".join(map(str, key)), float(key[0]), key[1], *numbers)
-                                                for key, numbers in runs.items()}, np.linspace(0.1, 0.4, 50), 0.2)
+        cls.folders = {key: make_up(cls.folder / "-".join(map(str, key)), float(key[0]), key[1], *numbers)
+                       for key, numbers in runs.items()}
+        cls.made = paper_tables.make(cls.stem, cls.folders, np.linspace(0.1, 0.4, 50), 0.2)
 
     def test_distances_are_those_of_the_made_up_runs(self):
         found = paper_tables.distances(self.stem, HOT)
@@ -61,6 +63,21 @@ class Paper(unittest.TestCase):
                     if table == "temperature":
                         lines = lines[lines["time_s"] == 0.4]
                     self.assertAlmostEqual(lines[y].sum() * np.diff(lines[x])[0], 1, delta=6e-3)
+
+    def test_runs_that_are_elsewhere_keep_their_lines_if_they_have_the_same_end(self):
+        stem, again = self.folder / "pieces", ("2", "0.3", 1)
+        tables = ("", "temperature", "profile", "nusselt")
+        for table in tables:
+            shutil.copy(paper_tables.path(self.stem, table), paper_tables.path(stem, table))
+        before = {table: paper_tables.lines_by_key(stem, table) for table in tables}
+        paper_tables.make(stem, {again: self.folders[again]}, np.linspace(0.1, 0.4, 50), 0.2)
+        for table in tables:
+            now = paper_tables.lines_by_key(stem, table)
+            self.assertEqual(set(now), set(before[table]))
+            for key in set(now) - {tuple(map(str, again))}:
+                self.assertEqual(now[key], before[table][key])
+        paper_tables.make(stem, {again: self.folders[again]}, np.linspace(0.1, 0.3, 50), 0.2)
+        self.assertEqual(set(paper_tables.lines_by_key(stem, "")), {tuple(map(str, again))})
 
     def test_pictures_are_drawn_from_the_tables_alone(self):
         for made, number in (((({}), []), 5), (self.made, 7)):
