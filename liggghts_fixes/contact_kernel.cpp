@@ -3,7 +3,6 @@
 #include "contact_law.hpp"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstring>
 
 namespace hotbed
@@ -18,8 +17,8 @@ using Load = ContactRows::Load;
 /// Of a block: few enough that the rows of its particles are no more than what pairs reach over anyway, many batches
 constexpr int blockPairs = 4096;
 
-/// The row behind those of the particles
-inline int nowhere(const ContactPairs& pairs, int local, int all)
+/// The first of two rows behind those of the particles: of the pairs that fill up
+inline int nowhereRow(const ContactPairs& pairs, int local, int all)
 {
     return pairs.ring + all - local;
 }
@@ -240,7 +239,7 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
         enter<friction>(rows, pairs.ring + i - particles.local, particles, i);
     for (int k = 0; k < 2; ++k) // of the pairs that fill up: apart, at rest
     {
-        const int row = nowhere(pairs, particles.local, particles.all) + k;
+        const int row = nowhereRow(pairs, particles.local, particles.all) + k;
         rows.place[row].center = Row{double(k), 0.0, 0.0, 0.0};
         rows.motion[row] = {Row{0.0, 0.0, 0.0, 1.0}, Row{}};
         rows.load[row] = Load{};
@@ -337,13 +336,13 @@ void arrange(ContactPairs& pairs, int count, int local, int all)
         pairs.i[p] %= pairs.ring;
         pairs.j[p] = pairs.j[p] < local ? pairs.j[p] % pairs.ring : pairs.ring + pairs.j[p] - local;
     }
-    std::fill(pairs.i.begin() + count, pairs.i.end(), nowhere(pairs, local, all));
-    std::fill(pairs.j.begin() + count, pairs.j.end(), nowhere(pairs, local, all) + 1);
+    std::fill(pairs.i.begin() + count, pairs.i.end(), nowhereRow(pairs, local, all));
+    std::fill(pairs.j.begin() + count, pairs.j.end(), nowhereRow(pairs, local, all) + 1);
 }
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)
 {
-    const std::size_t count = std::size_t(nowhere(pairs, particles.local, particles.all)) + 2;
+    const std::size_t count = std::size_t(nowhereRow(pairs, particles.local, particles.all)) + 2;
     rows.place.resize(count);
     rows.motion.resize(count);
     rows.load.resize(count);

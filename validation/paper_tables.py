@@ -36,8 +36,9 @@ def lines_by_key(stem, table):
     """Lines of a table that was written, as text, by the key (l, u0, nudge) as text; nothing without a table."""
     found = {}
     if path(stem, table).is_file():
-        for line in path(stem, table).read_text().splitlines()[1:]:
-            found.setdefault(tuple(line.split(",")[:len(KEY)]), []).append(line.split(","))
+        with open(path(stem, table), newline="") as file:
+            for line in itertools.islice(csv.reader(file), 1, None):
+                found.setdefault(tuple(line[:len(KEY)]), []).append(line)
     return found
 
 
