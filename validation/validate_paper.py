@@ -6,12 +6,13 @@ against the finest one (Figs 5 and 11), and against a bed whose gas leaves at th
 chaotic, and its repeats tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at
 `l` = 2 and 2.5 for 2.5 s, each run once; the bar of its Nusselt numbers comes from blocks of time. Also the figures of
 `validate fluidized_bed`, over that longer time. `--bed slim_bed_wide`: a column twice as wide and deep, at the lowest velocity,
-3 s, each run once.
+3 s.
 --quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s.
 
-Writes small tables, results/paper*.csv, and from them and the runs the paper's figures 2 to 12 beside the runs. --figures runs
-nothing: it makes the tables anew from the runs that have come to the end (or to --until), if there are any, and draws the
-figures, in FOLDER if one is given."""
+Writes small tables, results/paper*.csv, and from them and the runs the paper's figures 2 to 12 beside the runs. Temperatures and
+Nusselt numbers are compared from the tables, so with runs of before, too, that the tables keep. --figures runs
+nothing: it makes the tables anew from the runs that have come to the end (or to --until), if there are any, draws the
+figures, in FOLDER if one is given, and prints what the tables tell."""
 
 import argparse
 import itertools
@@ -35,7 +36,7 @@ from paraview import read_dump
 
 # bed -> (end of the runs [s], ratios, velocities [m/s])
 VELOCITIES = ["0.14", "0.2", "0.3"]
-BEDS = {"slim_bed": (5, ["2.5", "2", "1.5", "1"], VELOCITIES), "slim_bed_wide": (3, ["2.5", "2", "1"], VELOCITIES[:1]),
+BEDS = {"slim_bed": (5, ["2.5", "2", "1.5", "1"], VELOCITIES), "slim_bed_wide": (3, ["2.5", "2", "1.5", "1"], VELOCITIES[:1]),
         "fluidized_bed": (2.5, ["2.5", "2"], VELOCITIES)}
 QUICK = (1, ["2.5", "2"], ["0.2"])
 WIDE = {"width": "0.04", "depth": "0.02", "cellsWidth": "32", "cellsDepth": "16", "solids": "1.25663706e-5"}
@@ -43,48 +44,30 @@ HOT, COLD = 363.15, 293.15  # particles at the start, gas at the inlet [K]
 NUDGES = (1, 1 + 1e-6, 1 - 1e-6)  # of the velocity, for repeats
 
 
-class Course:
-    """A run's mean temperature and Nusselt number at even times; the temperature of its uppermost fifth at the times of its
-    dumps, from the start on."""
-
-    def __init__(self, run, times, start):
-        self.setting = {k: float(v) for k, v in hotbed.read_settings(run / "settings").items()}
-        self.l = self.setting["l"]
-        bed = results.bed(run)
-        self.temperature = np.interp(times, bed["time_s"], bed["T_mean_K"])
-        self.nusselt = np.interp(times, bed["time_s"], bed["Nu_mean"])
-        self.nusselt_error = campaign.mean(bed, "Nu_mean", start, times[-1])[1]
-        even = np.linspace(start, times[-1], 2000)  # lines are as far apart as gas steps are long
-        self.fluctuation = np.interp(even, bed["time_s"], bed["pressure_drop_Pa"]).std()
-        self.height = np.interp(even, bed["time_s"], bed["height_m"]).mean()
-        dumps = {time: read_dump(file) for time, file in sorted(Run(run).dumps.items()) if time <= times[-1] + 1e-9}
-        self.dumps = list(dumps)
-        self.top = [d["f_Temp"][d["z"] >= np.quantile(d["z"], 0.8)].mean() for d in dumps.values()]
-
-
-def cooling_time(case, setting):
+def cooling_time(case, setting, u0):
     """Heat capacity of the particles over that of the gas that enters in a second [s]: tau of `T = COLD + 70 exp(-t/tau)`."""
     gas = (case / "constant/thermophysicalProperties").read_text()
     script = (case / "DEM/in.bed").read_text()
     number = lambda pattern, text: float(re.search(pattern + r"\s+(\S+?)[;\s]", text)[1])
-    density = number("density", script)
-    particles = setting["solids"] * density * number("peratomtype", script)
-    flow = 101325 * number("molWeight", gas) / (8314.46 * COLD) * setting["u0"] * setting["width"] * setting["depth"]
+    particles = float(setting["solids"]) * number("density", script) * number("peratomtype", script)
+    flow = 101325 * number("molWeight", gas) / (8314.46 * COLD) * u0 * float(setting["width"]) * float(setting["depth"])
     return particles / (flow * number("Cp", gas))
 
 
-def compare(figures, case, u0, groups, times, start):
-    """Figures of one velocity.
+def compare(figures, u0, tau, table, start):
+    """Figures of one velocity, from the table of temperatures and Nusselt numbers in time.
 
-    @param groups  l -> [Course], repeats
-    @param start   of the means of the Nusselt number [s]
-    @return mean Nusselt numbers of all runs
+    @param tau    see `cooling_time`
+    @param start  of the means of the Nusselt number [s]
+    @return mean Nusselt numbers of all runs, standard errors from blocks of time of each
     """
+    groups = {l: table.repeats(u0, l) for l in table.ratios(u0)}
+    finest = min(groups)
+    times = groups[finest][0]["time_s"]
     late = times >= start
     repeated = any(len(g) > 1 for g in groups.values())
-    finest = min(groups)
-    values = {l: np.array([c.temperature for c in g]) for l, g in groups.items()}
-    numbers = {l: np.array([c.nusselt[late].mean() for c in g]) for l, g in groups.items()}
+    values = {l: np.array([lines["T_mean_K"] for lines in g]) for l, g in groups.items()}
+    numbers = {l: np.array([lines["Nu_mean"][late].mean() for lines in g]) for l, g in groups.items()}
     deviation, deviationNu, freedom = np.zeros(len(times)), 0.0, 1  # no bars without repeats
     if repeated:
         deviation, freedom = campaign.spread([v for v in values.values() if len(v) > 1])
@@ -101,20 +84,30 @@ def compare(figures, case, u0, groups, times, start):
         allowed = campaign.bar(deviationNu, freedom, len(numbers[l]), len(numbers[finest])) / referenceNu
         figures.add(f"u0 = {u0:g} m/s, l = {l:g} against {finest:g}: mean Nusselt number", abs(numbers[l].mean() / referenceNu - 1),
                     max(0.01, allowed), f"{numbers[l].mean():.3f} and {referenceNu:.3f}, bar {allowed:.2%}")
-    for l, runs in sorted(groups.items()):
-        for what, of_runs in (("standard deviation of the pressure drop [Pa]", [c.fluctuation for c in runs]),
-                              ("mean bed height [m]", [c.height for c in runs])):
-            figures.note(f"u0 = {u0:g} m/s, l = {l:g}: {what}", np.mean(of_runs))
-        tau = cooling_time(case, runs[0].setting)
-        drop = (HOT - COLD) * -np.expm1(-times / tau)
+    drop = (HOT - COLD) * -np.expm1(-times / tau)
+    for l in sorted(groups):
         away = HOT - values[l].mean(axis=0) - drop
         worst = np.argmax(np.abs(away / drop))
         figures.add(f"u0 = {u0:g} m/s, l = {l:g}: mean temperature against gas that leaves at it, of the drop",
                     abs(away[worst] / drop[worst]), 0.02, f"at {times[worst]:.2f} s; {away[-1] / drop[-1]:+.2%} at the end, tau {tau:.1f} s")
-        cooled, carried = HOT - runs[0].temperature[-1], np.trapz(np.array(runs[0].top) - COLD, runs[0].dumps) / tau
-        figures.add(f"u0 = {u0:g} m/s, l = {l:g}: mean temperature against gas that leaves at that of the uppermost fifth, of the drop",
-                    abs(cooled / carried - 1), 0.02, f"{cooled:.3f} and {carried:.3f} K at the end")
-    return np.concatenate(list(numbers.values()))
+    errors = [campaign.mean(lines, "Nu_mean", start, times[-1])[1] for group in groups.values() for lines in group]
+    return np.concatenate(list(numbers.values())), errors
+
+
+def of_runs(figures, u0, l, tau, runs, end, start):
+    """Figures that take more than the tables hold. @param runs  repeats"""
+    beds = [results.bed(run) for run in runs]
+    even = np.linspace(start, end, 2000)  # lines are as far apart as gas steps are long
+    figures.note(f"u0 = {u0:g} m/s, l = {l:g}: standard deviation of the pressure drop [Pa]",
+                 np.mean([np.interp(even, bed["time_s"], bed["pressure_drop_Pa"]).std() for bed in beds]))
+    figures.note(f"u0 = {u0:g} m/s, l = {l:g}: mean bed height [m]",
+                 np.mean([np.interp(even, bed["time_s"], bed["height_m"]).mean() for bed in beds]))
+    dumps = {time: read_dump(file) for time, file in sorted(Run(runs[0]).dumps.items()) if time <= end + 1e-9}
+    top = [d["f_Temp"][d["z"] >= np.quantile(d["z"], 0.8)].mean() for d in dumps.values()]
+    cooled = HOT - np.interp(end, beds[0]["time_s"], beds[0]["T_mean_K"])
+    carried = np.trapz(np.array(top) - COLD, list(dumps)) / tau
+    figures.add(f"u0 = {u0:g} m/s, l = {l:g}: mean temperature against gas that leaves at that of the uppermost fifth, of the drop",
+                abs(cooled / carried - 1), 0.02, f"{cooled:.3f} and {carried:.3f} K at the end")
 
 
 def main():
@@ -122,7 +115,7 @@ def main():
     parser.add_argument("--bed", choices=BEDS, default="slim_bed", help="what to run")
     parser.add_argument("--until", type=float, help="end of the runs [s] (default 5; slim_bed_wide 3; fluidized_bed 2.5; quick 1)")
     parser.add_argument("--ratios", nargs="+", metavar="L", help="coarse-graining ratios, the coarsest first; the finest is compared "
-                        "with (default 2.5 2 1.5 1; slim_bed_wide 2.5 2 1; fluidized_bed and quick 2.5 2)")
+                        "with (default 2.5 2 1.5 1; fluidized_bed and quick 2.5 2)")
     parser.add_argument("--at-once", type=int, default=2, help="runs at a time, one core each (default 2)")
     parser.add_argument("--quick", action="store_true", help="l = 2 and 2.5, one velocity, 1 s")
     parser.add_argument("--figures", nargs="?", const="", metavar="FOLDER", help="run nothing, draw the paper's figures")
@@ -132,18 +125,18 @@ def main():
     end, ratios = options.until or end, options.ratios or ratios
     start = 0.4 * end if end < 5 else 2.5  # the paper leaves out its first 2.5 s
     folder = Path("results") / "paper" / (options.bed + ("-quick" if options.quick else ""))
-    case = folder / "case"
+    example, case = ROOT / "examples" / options.bed.removesuffix("_wide"), folder / "case"
+    changed = WIDE if options.bed == "slim_bed_wide" else {}
     name = "paper" if slim else "paper_" + options.bed
     stem = Path("results") / (name + ("-quick" if options.quick else ""))  # of the tables
 
-    repeats = {ratios[0]: 3, "2": 2} if slim else {}
+    repeats = {} if options.bed == "fluidized_bed" else {"2.5": 3, "2": 2}
     plan = [(l, u0, nudge) for repeat, nudge in enumerate(NUDGES) for l, u0 in itertools.product(ratios, velocities)
             if repeat < repeats.get(l, 1)]
     settings = [{"l": l, "u0": f"{float(u0) * nudge:.9g}", "endTime": f"{end:g}", "writeInterval": "0.1"} for l, u0, nudge in plan]
     if options.figures is None:
-        shutil.copytree(ROOT / "examples" / options.bed.removesuffix("_wide"), case, dirs_exist_ok=True)
-        if options.bed == "slim_bed_wide":
-            hotbed.change_settings(case / "settings", WIDE)
+        shutil.copytree(example, case, dirs_exist_ok=True)
+        hotbed.change_settings(case / "settings", changed)
         # else the particles heat the gas they start in at once, the more of it the wider their kernels
         campaign.edit(case / "0/T", rf"^internalField   uniform {COLD}", f"internalField   uniform {HOT}")
         campaign.run_all(case, folder, settings, options.at_once)
@@ -155,27 +148,25 @@ def main():
     pictures = Path(options.figures or folder)
     pictures.mkdir(parents=True, exist_ok=True)
     paper_figures.draw(stem, runs, shown, start, pictures)
-    if options.figures is not None:
-        return
 
     figures = results.Figures(name)
-    courses = {key: Course(run, times, start) for key, run in folders.items()}
-    means, errors = [], []
-    for u0 in velocities:
-        groups = {}
-        for (l, velocity, _), course in courses.items():
-            if velocity == u0:
-                groups.setdefault(float(l), []).append(course)
-        means.append(compare(figures, case, float(u0), groups, times, start))
-        errors.append([course.nusselt_error for group in groups.values() for course in group])
-    for n, ((slow, fast), (above, below)) in enumerate(zip(itertools.pairwise(velocities), itertools.pairwise(means))):
+    table = paper_tables.Table(stem)
+    setting = {**hotbed.read_settings(example / "settings"), **changed}
+    tau = {u0: cooling_time(example, setting, u0) for u0 in table.velocities}
+    means, errors = zip(*(compare(figures, u0, tau[u0], table, start) for u0 in table.velocities))
+    for n, ((slow, fast), (above, below)) in enumerate(zip(itertools.pairwise(table.velocities), itertools.pairwise(means))):
         bar = campaign.bar_of_difference(above, below) if slim else campaign.bar_from_blocks(*errors[n:n + 2])
-        figures.add(f"mean Nusselt number at {fast} m/s less than at {slow} m/s, all ratios, over the bar of the difference",
+        figures.add(f"mean Nusselt number at {fast:g} m/s less than at {slow:g} m/s, all ratios, over the bar of the difference",
                     (above.mean() - below.mean()) / bar, 1.0, f"{below.mean():.3f} and {above.mean():.3f}, bar {bar:.3f}", least=True)
-    for run in folders.values() if options.bed == "fluidized_bed" else ():
-        validate_fluidized_bed.report(figures, run, validate_fluidized_bed.FLUIDISED)
     for what, value in paper_tables.distances(stem, HOT).items():
         figures.note(what, value)
+    if options.figures is not None:
+        return
+    for u0, l in sorted({(u0, l) for l, u0, _ in folders}):
+        runs = [run for key, run in folders.items() if key[:2] == (l, u0)]
+        of_runs(figures, float(u0), float(l), tau[float(u0)], runs, end, start)
+    for run in folders.values() if options.bed == "fluidized_bed" else ():
+        validate_fluidized_bed.report(figures, run, validate_fluidized_bed.FLUIDISED)
     sys.exit(figures.close())
 
 

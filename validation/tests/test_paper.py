@@ -1,5 +1,7 @@
 """Tables and figures of the paper's campaign, from made-up runs whose distances are known."""
 
+import contextlib
+import io
 import shutil
 import sys
 import tempfile
@@ -12,6 +14,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "validation"), str(ROOT / "cfd_solver")]
 import paper_figures
 import paper_tables
+import results
+import validate_paper
 
 TIMES = (0.0, 0.1, 0.2, 0.3, 0.4)
 HOT = 363.15
@@ -55,6 +59,19 @@ class Paper(unittest.TestCase):
             with self.subTest(name):
                 expected = 0 if "u0 = 0.3" in name or "repeats" in name else 0.4 / 8 if "Nusselt" in name else 1 / 10
                 self.assertAlmostEqual(value, expected, delta=2e-4)
+
+    def test_a_ratio_is_compared_with_the_finest_of_the_table(self):
+        for u0, cooled, nusselt in ((0.2, 1 / 10, 0.4 / 8), (0.3, 0, 0)):
+            figures = results.Figures("made_up")
+            with contextlib.redirect_stdout(io.StringIO()):
+                means, _ = validate_paper.compare(figures, u0, 2.6, paper_tables.Table(self.stem), 0.2)
+            rows = {row["name"]: row for row in figures.rows}
+            for what, expected in (("temperature, of the drop, beyond its bar", cooled), ("Nusselt number", nusselt)):
+                with self.subTest(what, u0=u0):
+                    row = rows[f"u0 = {u0:g} m/s, l = 2 against 1: mean {what}"]
+                    self.assertAlmostEqual(row["value"], expected, delta=1e-6)
+                    self.assertEqual(row["pass"], expected == 0)
+            self.assertEqual(sorted(np.round(means, 6)), [8, 8.4, 8.4] if u0 == 0.2 else [7, 7])
 
     def test_densities_integrate_to_one(self):
         for table, x, y in (("nusselt", "Nu", "density"), ("temperature", "T_K", "density_per_K")):
