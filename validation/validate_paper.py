@@ -1,11 +1,11 @@
 """The paper's campaign: mean temperature and Nusselt number of a fluidised bed at every coarse-graining ratio and velocity
 against the finest one (Figs 5 and 11), and against a bed whose gas leaves at the particles' mean temperature.
 
-`./hotbed validate paper [--bed BED] [--until T] [--quick] [--figures [FOLDER]]`: the slim bed at `l` = 1, 1.5, 2,
-2.5 for 5 s, hours; stopped runs go on. Coarse runs are repeated with a velocity that differs by a millionth: the bed is
-chaotic, and its repeats tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the paper's own bed at
-`l` = 2 and 2.5 for 2.5 s, each run once; the bar of its Nusselt numbers comes from blocks of time. Also the figures of
-`validate fluidized_bed`, over that longer time. `--bed slim_bed_wide`: a column twice as wide and deep, at the lowest velocity,
+`./hotbed validate paper [--bed BED] [--ratios L ...] [--velocities U0 ...] [--until T] [--quick] [--figures [FOLDER]]`: the slim
+bed at `l` = 1, 1.5, 2, 2.5 for 5 s, hours; stopped runs go on. Coarse runs are repeated with a velocity that differs by a
+millionth: the bed is chaotic, and its repeats tell how far two runs differ where nothing is different. `--bed fluidized_bed`: the
+paper's own bed at `l` = 2 and 2.5 for 2.5 s, each run once; the bar of its Nusselt numbers comes from blocks of time. Also the
+figures of `validate fluidized_bed`, over that longer time. `--bed slim_bed_wide`: a column twice as wide and deep, at the lowest velocity,
 3 s.
 --quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s.
 
@@ -116,13 +116,14 @@ def main():
     parser.add_argument("--until", type=float, help="end of the runs [s] (default 5; slim_bed_wide 3; fluidized_bed 2.5; quick 1)")
     parser.add_argument("--ratios", nargs="+", metavar="L", help="coarse-graining ratios, the coarsest first; the finest is compared "
                         "with (default 2.5 2 1.5 1; fluidized_bed and quick 2.5 2)")
+    parser.add_argument("--velocities", nargs="+", metavar="U0", choices=VELOCITIES, help="of the campaign, to make it in pieces")
     parser.add_argument("--at-once", type=int, default=2, help="runs at a time, one core each (default 2)")
     parser.add_argument("--quick", action="store_true", help="l = 2 and 2.5, one velocity, 1 s")
     parser.add_argument("--figures", nargs="?", const="", metavar="FOLDER", help="run nothing, draw the paper's figures")
     options = parser.parse_args()
     slim = options.bed == "slim_bed"
     end, ratios, velocities = QUICK if options.quick else BEDS[options.bed]
-    end, ratios = options.until or end, options.ratios or ratios
+    end, ratios, velocities = options.until or end, options.ratios or ratios, options.velocities or velocities
     start = 0.4 * end if end < 5 else 2.5  # the paper leaves out its first 2.5 s
     folder = Path("results") / "paper" / (options.bed + ("-quick" if options.quick else ""))
     example, case = ROOT / "examples" / options.bed.removesuffix("_wide"), folder / "case"
