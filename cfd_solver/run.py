@@ -100,14 +100,20 @@ def change_case(run, changes):
 def prepare(case, run, changes=None, full=False, ranks=1, overwrite=False):
     """Copies a case to the folder `run`, sets its numbers, makes mesh and decomposition.
 
-    Raises CaseError where the case is not one, a setting is unknown, or `run` holds results already.
+    Raises CaseError where the case is not one, a setting is unknown, OpenFOAM cannot use the folder, or a run was started in it
+    already: what only a failed preparation left there is made anew.
     """
     case, run = Path(case), Path(run)
     for needed in ("system/controlDict", "constant/couplingProperties"):
         if not (case / needed).is_file():
             raise CaseError(f"{case} is not a Hotbed case: {needed} is missing")
+    unusable = re.search(r"[\s'\"]", str(run.resolve()))
+    if unusable:
+        raise CaseError(f"{run.resolve()}: OpenFOAM takes no folder with {unusable[0]!r} in its path: rename that folder, or work in "
+                        "another one")
     if run.exists():
-        if not overwrite:
+        begun = any(any(run.glob(left)) for left in ("log.hotbedFoam*", "postProcessing", "restart"))
+        if begun and not overwrite:
             raise CaseError(f"{run} holds a run already: add --restart to go on with it, or --overwrite to make it anew")
         shutil.rmtree(run)
     changes = dict(changes or {})
@@ -290,6 +296,17 @@ def run_case(run, ranks=1):
     finish(run, ranks)
 
 
+def draw(script, run):
+    """Runs a case's plot.py, which finds the modules of the examples' own also where the case is a copy of one of them."""
+    paths = [str(ROOT / folder) for folder in ("examples", "validation", "cfd_solver")]
+    own = os.environ.get("PYTHONPATH")
+    code = subprocess.call(["/usr/bin/python3", str(script), str(run)],
+                           env={**os.environ, "PYTHONPATH": os.pathsep.join(paths + ([own] if own else []))})
+    if code != 0:
+        raise CaseError(f"{script} failed (exit status {code}), its own words stand above. The results in {run} are whole: mend it, "
+                        "then call it with that folder, or remove it")
+
+
 def assignments(items):
     """name -> value of the words after --set."""
     changes = {}
@@ -349,8 +366,7 @@ def main():
         print(text[max(text.rfind("Energy budget"), text.rfind("\nTiming ") if "Energy budget" not in text else 0):]
               .replace("\nEnd\n", "").strip())
         if (case / "plot.py").is_file():
-            pictures = {**os.environ, "PYTHONPATH": str(ROOT / "examples")}  # for a copied case too
-            subprocess.check_call(["/usr/bin/python3", str(case / "plot.py"), str(run)], env=pictures)
+            draw(case / "plot.py", run)
         print(f"a page of it: {COMMAND} report {run}")
     except CaseError as problem:
         sys.exit(f"hotbed: {problem}")

@@ -1,5 +1,6 @@
 """Bad input ends with an error that names file, key and mend, before anything is computed, and nothing is overwritten."""
 
+import shutil
 import subprocess
 import sys
 import unittest
@@ -119,6 +120,34 @@ class RunCommand(CoupledTest):
         self.assertIn("or --overwrite to make it anew", again.stderr)
         self.assertEqual(written, {p: p.stat().st_mtime_ns for p in (self.folder / "results").rglob("*")})
         self.assertEqual(self.command(FIXED_BED, *small, "--overwrite").returncode, 0)
+
+    def test_a_failed_preparation_is_no_run(self):
+        case, small = self.folder / "case", [f"{k}={v}" for k, v in SMALL.items()]
+        shutil.copytree(FIXED_BED, case)
+        mesh = (case / "system/blockMeshDict").read_text()
+        edit(case / "system/blockMeshDict", r"hex", "hexx")
+        self.assertIn("blockMesh failed", self.command(case, "--set", *small).stderr)
+        (case / "system/blockMeshDict").write_text(mesh)
+        self.assertEqual(self.command(case, "--set", *small).returncode, 0)
+        self.assertTrue((self.folder / "results/case/temperature.png").exists(), "the picture of a copied case")
+
+    def test_a_picture_that_fails_is_told_after_the_run(self):
+        case = self.folder / "case"
+        shutil.copytree(FIXED_BED, case)
+        (case / "plot.py").write_text("import sys\nsys.exit('no ink')\n")
+        done = self.command(case, "--set", *(f"{k}={v}" for k, v in SMALL.items()))
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("no ink\nhotbed: ", done.stderr)
+        self.assertIn("plot.py failed (exit status 1)", done.stderr)
+        self.assertIn("Timing (1 rank", done.stdout)
+
+    def test_a_path_that_openfoam_cannot_use(self):
+        case = self.folder / "my case"
+        shutil.copytree(FIXED_BED, case)
+        done = self.command(case)
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("my case/default: OpenFOAM takes no folder with ' ' in its path: rename that folder", done.stderr)
+        self.assertFalse((self.folder / "results").exists())
 
     def test_run_on_two_and_three_ranks(self):
         for ranks in ("2", "3"):
