@@ -23,9 +23,12 @@ def edit(path, pattern, replacement):
     path.write_text(text)
 
 
+COMMON = ("endTime", "writeInterval")  # of all runs of a campaign
+
+
 def name(settings):
-    """Folder of a run: its settings but for end and write interval."""
-    return ",".join(f"{k}={v}" for k, v in settings.items() if k not in ("endTime", "writeInterval")) or "default"
+    """Folder of a run: its settings but for those that all have in common."""
+    return ",".join(f"{k}={v}" for k, v in settings.items() if k not in COMMON) or "default"
 
 
 def reached(folder):

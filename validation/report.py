@@ -101,6 +101,8 @@ def pairs(items):
 def own_scene(case, common, varied, product, repeats):
     """A scene of the variations on the command line: each alone, or all combinations. Reference: the finest of the values."""
     values = {name: text.split(",") for name, text in pairs(varied).items()}
+    for name in {*values, *pairs(repeats)} & set(campaign.COMMON):
+        raise CaseError(f"{name} is the same for all runs of a report: --set {name}=..., not --vary or --repeat")
     groups = {"as the case stands": [{}],
               "repeat": [r for name, text in pairs(repeats).items() for r in vary(name, *text.split(","))]}
     if product:

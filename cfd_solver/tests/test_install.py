@@ -1,8 +1,11 @@
 """An installed Hotbed, moved away from where it was put: runs an example as the built one does, and knows that it is installed."""
 
 import os
+import shutil
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 from scenes import CoupledTest, ROOT, SLIM_BED
 from fault_scenes import SMALL
@@ -52,6 +55,21 @@ class Install(CoupledTest):
         done = self.hotbed("--version")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"^Hotbed \d+\.\d+\.\d+")
+
+
+class Packages(unittest.TestCase):
+    def test_missing_ones_are_named_where_nobody_may_install_them(self):
+        with tempfile.TemporaryDirectory() as folder:
+            programs = Path(folder)
+            for name in ("bash", "awk", "sort", "comm", "dirname", "readlink"):
+                (programs / name).symlink_to(shutil.which(name))
+            for name, words in {"id": "echo 1000", "dpkg-query": "echo 'ii  cmake'"}.items():
+                (programs / name).write_text(f"#!/bin/sh\n{words}\n")
+                (programs / name).chmod(0o755)
+            done = subprocess.run([ROOT / "hotbed", "--version"], env={"PATH": folder}, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, "^hotbed: Debian packages are missing; as root: apt-get install .* liggghts .*openfoam")
+        self.assertNotIn("cmake", done.stderr)
 
 
 if __name__ == "__main__":

@@ -138,7 +138,8 @@ class Page(unittest.TestCase):
                                     (ROOT / "examples/fluidized_bed",): "say what to vary",
                                     ("fixed_bed", "--vary", "cells=3"): "no setting 'cells'",
                                     ("fixed_bed", "--vary", "u0=0.2"): "give a --reference",
-                                    ("fixed_bed", "--vary", "l"): "write name=value"}.items():
+                                    ("fixed_bed", "--vary", "l"): "write name=value",
+                                    ("fixed_bed", "--vary", "l=2,1", "endTime=1"): "endTime is the same for all runs of a report: --set endTime=..."}.items():
             with self.subTest(expected):
                 done = subprocess.run([sys.executable, report.__file__, *map(str, arguments)], cwd=self.folder,
                                       capture_output=True, text=True)
