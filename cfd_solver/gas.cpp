@@ -46,6 +46,14 @@ tmp<fvMatrix<Type>> laplacian(const surfaceScalarField& gamma, const CellField<T
     return oblique ? fvm::laplacian(gamma, field) : straightLaplacian(gamma, field);
 }
 
+/// Fields of an incompressible case say so here, not in the middle of an equation.
+template <class Type> void checkDimensions(const CellField<Type>& field, const dimensionSet& expected)
+{
+    if (field.dimensions() != expected)
+        FatalErrorInFunction << field.objectPath().c_str() << ": dimensions must be " << expected << ", not "
+                             << field.dimensions() << exit(FatalError);
+}
+
 } // namespace
 
 Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
@@ -62,6 +70,9 @@ Gas::Gas(fvMesh& mesh, bool energy, Timing& timing)
       g_(gravityFile(mesh)), exchangeTemperature_(thermo_->T().primitiveField())
 {
     thermo_->validate("hotbedFoam", "h");
+    checkDimensions(p_, dimPressure);
+    checkDimensions(thermo_->T(), dimTemperature);
+    checkDimensions(U_, dimVelocity);
     if (energyOn_)
     {
         // a restart goes on with the enthalpy itself: made from the temperature it would differ in the last digit

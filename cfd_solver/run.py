@@ -230,7 +230,12 @@ def tool(run, *command):
 
 
 def tail(path, lines=25):
-    return "\n".join(ending(path).splitlines()[-lines:])
+    """What a log ends with; where OpenFOAM gave up, from its words on, without the stack: that would push them out."""
+    rows = ending(path).splitlines()
+    fatal = next((n for n, row in enumerate(rows) if "--> FOAM FATAL" in row), None)
+    if fatal is None:
+        return "\n".join(rows[-lines:])
+    return "\n".join([row for row in rows[fatal:] if not re.match(r"(\[\d+\] *)?#\d+ ", row)][:lines])
 
 
 def keep(log):

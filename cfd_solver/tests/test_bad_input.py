@@ -42,6 +42,8 @@ CASES = {
                                               ["whole number", "deltaT", "controlDict", "timestep", SCRIPT]),
     "gas step shorter than a DEM step": (SCRIPT, r"^timestep.*", "timestep 1", ["whole number", "deltaT"]),
     "restart": ("system/controlDict", r"^startTime.*", "startTime 1;", ["controlDict", "startTime 0", "holds no complete restart"]),
+    "pressure over density": ("0/p", r"1 -1 -2", "0 2 -2", ["0/p: dimensions must be [1 -1 -2 0 0 0 0], not [0 2 -2 0 0 0 0]"]),
+    "temperature of no kind": ("0/T", r"0 0 0 1", "0 0 1 1", ["0/T: dimensions must be [0 0 0 1 0 0 0], not [0 0 1 1 0 0 0]"]),
     "energy in e": ("constant/thermophysicalProperties", r"sensibleEnthalpy", "sensibleInternalEnergy", ["h"]),
 }
 
@@ -140,6 +142,16 @@ class RunCommand(CoupledTest):
         self.assertIn("no ink\nhotbed: ", done.stderr)
         self.assertIn("plot.py failed (exit status 1)", done.stderr)
         self.assertIn("Timing (1 rank", done.stdout)
+
+    def test_words_of_openfoam_are_shown_not_its_stack(self):
+        case = self.folder / "case"
+        shutil.copytree(FIXED_BED, case)
+        edit(case / "constant/turbulenceProperties", r"laminar;", "LES;\nLES { LESModel none; turbulence on; }")
+        done = self.command(case, "-np", "2", "--set", *(f"{k}={v}" for k, v in SMALL.items()))
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("FOAM FATAL", done.stderr)
+        self.assertIn("Unknown LESModel", done.stderr)
+        self.assertNotIn("Foam::error::printStack", done.stderr)
 
     def test_a_path_that_openfoam_cannot_use(self):
         case = self.folder / "my case"
