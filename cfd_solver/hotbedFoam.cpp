@@ -126,6 +126,16 @@ void checkVersion()
                              << ": remove the folder build and build again (./hotbed test --quick)" << exit(FatalError);
 }
 
+/// Restarts have checksums of each rank's own files.
+void checkFileHandler()
+{
+    if (Pstream::parRun() && fileHandler().type() == "collated")
+        FatalErrorInFunction << "-fileHandler collated (or FOAM_FILEHANDLER, or fileHandler in a controlDict) puts the "
+                                "files of all ranks together, restarts need those of each rank: decompose and run with "
+                                "-fileHandler uncollated"
+                             << exit(FatalError);
+}
+
 void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettings& settings)
 {
     const label particles = returnReduce(label(dem.size()), sumOp<label>());
@@ -237,6 +247,7 @@ int main(int argc, char* argv[])
         }
         printVersions(*dem);
         checkVersion();
+        checkFileHandler();
         Watch::trapFloatingPoint();
         Restart::setAsideUnfinished(args.globalPath());
         Time runTime(Time::controlDictName, args);

@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import sys
 import unittest
+import unittest.mock
 
 from scenes import CoupledTest, FIXED_BED, SMALL, edit, run
 
@@ -80,6 +81,14 @@ class BadInput(CoupledTest):
                 self.assertNotEqual(code, 0)
                 for text in expected if "zero" not in name else ["ratio must be a number > 0, <= 1000 [-], not '-2'"]:
                     self.assertIn(text, log)
+
+    def test_files_of_all_ranks_together(self):
+        target = self.scene(ranks=2)
+        with unittest.mock.patch.dict("os.environ", FOAM_FILEHANDLER="collated"):
+            code, log = self.solve(target, 2)
+        self.assertNotEqual(code, 0)
+        self.assertIn("decompose and run with -fileHandler uncollated", log)
+        self.assertNotIn("Time = 0.", log)
 
     def test_headers_of_another_version(self):
         # a library that says it is another version, put before the installed one
