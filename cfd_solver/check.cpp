@@ -83,6 +83,7 @@ void Check::particles(Dem& dem) const
     fact("solids", sum(volume));
     fact("mass", sum(mass));
     fact("diameter", -largest(-low), largest(high), 6 * sum(volume) / max(sum(surface), VSMALL)); // the last: Sauter's
+    fact("otherContacts", dem.otherContacts());
     for (const ContactTime& contact : dem.contacts())
         fact("contact", contact.first, contact.second, contact.steps, contact.least, contact.friction);
 }

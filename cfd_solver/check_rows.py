@@ -51,10 +51,10 @@ def scene(facts):
         return
     drag, reaches = facts["drag"]
     heat, moving = facts["heat"], facts["moving"]
-    contacts = [values for name, values in facts.every if name == "contact"]
+    contacts, other = [values for name, values in facts.every if name == "contact"], facts["otherContacts"]
     on = {f"drag ({drag})": drag != "none", "drag on the particles": drag != "none" and reaches and moving,
-          "heat": heat, "particle motion": moving, "contacts": contacts and moving,
-          "friction": moving and any(c[4] > 0 for c in contacts), "turbulence": facts["turbulence"] != "laminar"}
+          "heat": heat, "particle motion": moving, "contacts": (contacts or other) and moving,
+          **({} if other else {"friction": moving and any(c[4] > 0 for c in contacts)}), "turbulence": facts["turbulence"] != "laminar"}
     yield Row("on", TOLD, ", ".join(name for name, there in on.items() if there) or "nothing but the gas")
     out = [name for name, there in on.items() if not there]
     if out:
@@ -68,9 +68,13 @@ def contacts(facts):
     found = [values for name, values in facts.every if name == "contact"]
     if facts["particles"] == 1:
         return
-    if not found and facts["particles"]:
+    if facts["otherContacts"]:
+        scaled = ("" if facts["ratio"] == 1 else "; it takes its constants as those of the coarse particle, nothing scales them (stiffness "
+                  "and dashpots by l^3: f_ID[4] to [7] of fix hotbed/coarsegrain)")
         yield Row("contact time", ADVICE, "no pair_style gran model hotbed in the DEM script: whether the DEM step is short "
-                  "enough for the contacts is not known here")
+                  f"enough for the contacts of another is not known here{scaled}")
+    elif not found and facts["particles"]:
+        yield Row("contact time", ADVICE, "no pair_style in the DEM script: particles pass through each other")
     elif not found:
         yield Row("contact time", ADVICE, "no particles yet: checked when they are inserted")
     for first, second, steps, least, _ in found:

@@ -146,7 +146,14 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
          << (coupling.heat() ? settings.heatName : word("left out: no energy equation", false)) << nl
          << "    particle motion   "
          << (dem.moving() ? "on" : "left out: nothing in the DEM script moves particles, weights are evaluated once")
-         << nl << "    DEM step          " << dem.timestep() << " s" << nl << endl;
+         << nl;
+    if (dem.moving())
+        Info << "    contacts          "
+             << (!dem.hasContacts()    ? "left out: no pair_style in the DEM script"
+                 : dem.otherContacts() ? "not of model hotbed: their constants are taken as the coarse particle's"
+                                       : "model hotbed, scaled from the original particle")
+             << nl;
+    Info << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
 
 void printStopped(const Time& runTime, int signal, bool restarts)

@@ -169,9 +169,19 @@ std::vector<ContactTime> Dem::contacts()
 {
     LAMMPS& lmp = *instance_->lmp;
     lmp.init();
-    auto* pair = dynamic_cast<PairGran*>(lmp.force->pair);
-    if (!pair || pair->hashcode() != contactCode()) return {};
+    if (!hasContacts() || otherContacts()) return {};
     return contactTimes(lmp, contactTable(lmp));
+}
+
+bool Dem::hasContacts() const
+{
+    return instance_->lmp->force->pair;
+}
+
+bool Dem::otherContacts() const
+{
+    auto* gran = dynamic_cast<PairGran*>(instance_->lmp->force->pair);
+    return hasContacts() && !(gran && gran->hashcode() == contactCode());
 }
 
 void Dem::setup(bool resumed)

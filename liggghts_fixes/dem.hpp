@@ -41,6 +41,11 @@ public:
     /// without pair_style gran model hotbed.
     std::vector<ContactTime> contacts();
 
+    /// Whether a pair style is in use, and whether that is another one than pair_style gran model hotbed, which alone
+    /// takes the constants of the original particle.
+    bool hasContacts() const;
+    bool otherContacts() const;
+
     /// Set-up of the run (lists, ghosts, first forces); after it particles can be read.
     /// @param resumed  the script read what writeRestart wrote: forces go on from there
     void setup(bool resumed);

@@ -97,6 +97,19 @@ class Check(CoupledTest):
         pairs = {name for name in rows["filled"] if name.startswith("contact time")}
         self.assertEqual(pairs, {"contact time 1-1", "contact time 1-2", "contact time 2-2"})
 
+    def test_contacts_of_another_model(self):
+        case = self.folder / "case"
+        copy(SLIM_BED, case)
+        edit(case / "DEM/in.bed", r"gran model hotbed tangential hotbed", "gran model hertz tangential history")
+        edit(case / "DEM/in.bed", r"^fix +m1 .*", "fix m1 all property/global youngsModulus peratomtype 5e6\n"
+             "fix m0 all property/global poissonsRatio peratomtype 0.3")
+        for l in ("1", "2.5"):
+            _, rows = table(case, **{**SMALL, "l": l})
+            self.assertEqual(rows["contact time"].level, check.ADVICE)
+            self.assertEqual("nothing scales them" in rows["contact time"].text, l != "1")
+            self.assertIn("contacts", rows["on"].text)
+            self.assertNotIn("friction", rows["on"].text + rows["left out"].text)
+
     def test_advice(self):
         def advised(**settings):
             return {name for name, row in table(SLIM_BED, **{**SMALL, **settings})[1].items() if row.level == check.ADVICE}
