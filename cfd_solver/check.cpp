@@ -137,6 +137,8 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
     fact("section", column.section);
     fact("kernel", largest(kernel));
     fact("gravity", column.gravity);
+    const std::array<double, 3> g = dem.gravity();
+    fact("gravityApart", mag(vector(g[0], g[1], g[2]) - gas.gravity())); // particles' and gas's
     fact("voidage", voidage, gMin(gas.voidage().primitiveField()));
     fact("gas", density, viscosity, conductivity, capacityOfGas, mean(gas.T()));
     fact("u0", u0);

@@ -237,6 +237,13 @@ def fluidisation(facts):
     yield Row("pressure drop", TOLD, f"{number(drop)} Pa, a fixed bed at voidage {facts['voidage'][0]:.3g}")
 
 
+def gravity(facts):
+    """Gravity stands in two places."""
+    if facts["moving"] and facts["gravityApart"] > 1e-3 * max(facts["gravity"], facts["gravityApart"]):
+        yield Row("gravity", ADVICE, f"that of constant/g and that of the DEM script are {number(facts['gravityApart'], 'm/s2')} apart: "
+                  "make them the same")
+
+
 def shares(facts, ranks):
     """How particles and cells are shared out among ranks, at the start."""
     if ranks == 1 or not facts["particles"]:
@@ -295,7 +302,7 @@ def rows(facts, control, peak, refused, ranks):
     if "particles" in facts:
         table += [*output(control), *contacts(facts), *gas_steps(facts, control)]
     if "cells" in facts:
-        table += [*relaxation(facts, control), *mapping(facts), *fluidisation(facts), *shares(facts, ranks), *cost(facts, control, peak, ranks)]
+        table += [*relaxation(facts, control), *mapping(facts), *fluidisation(facts), *gravity(facts), *shares(facts, ranks), *cost(facts, control, peak, ranks)]
     if refused:
         table.append(Row("solver", REFUSED, refused))
     else:

@@ -32,7 +32,8 @@ public:
 
     Foam::volScalarField& voidage() { return voidage_; }
     const Foam::volVectorField& U() const { return U_; }
-    const Foam::scalarField& mass() const { return mass_; } ///< voidage * rho [kg/m3]
+    const Foam::vector& gravity() const { return g_.value(); } ///< [m/s2]
+    const Foam::scalarField& mass() const { return mass_; }    ///< voidage * rho [kg/m3]
     const Foam::volScalarField& T() const { return thermo_->T(); }
     const Foam::fluidThermo& thermo() const { return *thermo_; }
     const Foam::volVectorField& pressureGradient() const { return *pressureGradient_; }

@@ -156,6 +156,15 @@ void printOptions(const Dem& dem, const Coupling& coupling, const CouplingSettin
     Info << "    DEM step          " << dem.timestep() << " s" << nl << endl;
 }
 
+void warnOfGravity(const Gas& gas, const Dem& dem, const fileName& script)
+{
+    const std::array<double, 3> g = dem.gravity();
+    const vector particles(g[0], g[1], g[2]);
+    if (dem.moving() && mag(particles - gas.gravity()) > 1e-3 * max(mag(particles), mag(gas.gravity())))
+        WarningInFunction << "gravity is " << gas.gravity() << " m/s2 in constant/g but " << particles << " for the "
+                          << "particles: make constant/g and " << script << " the same" << endl;
+}
+
 void printStopped(const Time& runTime, int signal, bool restarts)
 {
     Info << nl << "Stopped by signal " << signal << " at " << runTime.timeName() << " s, ";
@@ -296,6 +305,7 @@ int main(int argc, char* argv[])
         gas.initialise(restart.resumed());
         check.gas(settings, mesh, *dem, gas);
         printOptions(*dem, coupling, settings);
+        warnOfGravity(gas, *dem, settings.demScript);
         Bed bed(mesh, coupling, *dem, gas, settings.bedInterval);
         if (restart.resumed()) bed.resume(restart.state());
 

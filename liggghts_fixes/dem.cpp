@@ -220,6 +220,20 @@ void Dem::writeRestart(const std::function<void(const char* bytes, std::size_t s
     WriteRestart(&lmp).write(&path[0]);
 }
 
+std::array<double, 3> Dem::gravity() const
+{
+    const Modify& modify = *instance_->lmp->modify;
+    std::array<double, 3> sum = {};
+    for (int i = 0; i < modify.nfix; ++i)
+    {
+        double own[3] = {};
+        if (auto* fix = dynamic_cast<FixGravity*>(modify.fix[i])) fix->get_gravity(own);
+        if (auto* fix = dynamic_cast<FixNVESphereHotbed*>(modify.fix[i])) std::copy_n(fix->gravity(), 3, own);
+        for (std::size_t a = 0; a < 3; ++a) sum[a] += own[a];
+    }
+    return sum;
+}
+
 int Dem::size() const
 {
     return instance_->lmp->atom->nlocal;

@@ -62,11 +62,12 @@ public:
     const double* mass() const;          ///< of the coarse particle [kg]
     const int* tag() const;              ///< LIGGGHTS' particle ids
 
-    double ratio() const;    ///< coarse-graining ratio of fix hotbed/coarsegrain, 1 without one
-    double timestep() const; ///< [s]
-    long step() const;       ///< LIGGGHTS' step number
-    bool moving() const;     ///< whether anything in the script moves or adds particles
-    bool heat() const;       ///< whether the script has a fix hotbed/heat
+    double ratio() const;                  ///< coarse-graining ratio of fix hotbed/coarsegrain, 1 without one
+    double timestep() const;               ///< [s]
+    long step() const;                     ///< LIGGGHTS' step number
+    std::array<double, 3> gravity() const; ///< that the script gives the particles, after setup [m/s2]
+    bool moving() const;                   ///< whether anything in the script moves or adds particles
+    bool heat() const;                     ///< whether the script has a fix hotbed/heat
 
     bool drag() const;                                                ///< whether the script has a fix hotbed/drag
     const double (*gasForce() const)[3];                              ///< force of the gas on each particle [N]

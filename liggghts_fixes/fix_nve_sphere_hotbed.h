@@ -24,6 +24,8 @@ public:
     /// Whether the force of a fix hotbed/drag is added here, after the start of a run.
     bool addsForceOf(const Fix& drag) const { return withGravity_ && drag.igroup == igroup; }
 
+    const double* gravity() const { return gravity_; } ///< that is added here [m/s2]
+
     /// For a host that runs LIGGGHTS step by step: it looks at the particles at the end of this time step.
     void stopAfter(bigint step) { stop_ = step; }
 

@@ -8,6 +8,7 @@
 #include "domain.h"
 #include "error.h"
 #include "fix.h"
+#include "fix_gravity.h"
 #include "fix_property_atom.h"
 #include "fix_property_global.h"
 #include "force.h"

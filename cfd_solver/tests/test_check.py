@@ -110,6 +110,20 @@ class Check(CoupledTest):
             self.assertIn("contacts", rows["on"].text)
             self.assertNotIn("friction", rows["on"].text + rows["left out"].text)
 
+    def test_gravity_of_gas_and_particles(self):
+        for name, own in (("hotbed", "nve/sphere/hotbed gravity 9.81 vector 0 0 -1"),
+                          ("stock", "nve/sphere\nfix g all gravity 9.81 vector 0 0 -2")):
+            case = self.folder / name
+            copy(SLIM_BED, case)
+            edit(case / "DEM/in.bed", r"nve/sphere/hotbed gravity .*", own)
+            self.assertNotIn("gravity", table(case, **SMALL)[1])
+            edit(case / "constant/g", r"-9\.81", "9.81")
+            self.assertIn("are 19.6 m/s2 apart", table(case, **SMALL)[1]["gravity"].text)
+        target = self.scene(edits=[("constant/g", r"-9\.81", "0")], **{**SMALL, "endTime": 1e-4})
+        code, log = self.solve(target)
+        self.assertEqual(code, 0)
+        self.assertRegex(log, r"gravity is \(0 0 0\) m/s2 in constant/g but \(0 0 -9.81\d*\) for the particles")
+
     def test_advice(self):
         def advised(**settings):
             return {name for name, row in table(SLIM_BED, **{**SMALL, **settings})[1].items() if row.level == check.ADVICE}
