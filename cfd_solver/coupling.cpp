@@ -216,8 +216,9 @@ void Coupling::particlesToGas()
             const auto time = timing_.measure("to gas: closures");
             closures(first, count, gas);
         },
-        givenFields_, given_.data(),
-        [this](int first, int count, const double* given, double* sums) { fill(first, count, given, sums); },
+        dem_.position(), givenFields_, given_.data(),
+        [this](int count, const double(*position)[3], const double* given, double* sums)
+        { fill(count, position, given, sums); },
         sumFields_, cellSums_.data());
     if (heat_)
     {
@@ -233,10 +234,9 @@ void Coupling::particlesToGas()
         });
 }
 
-/// What copies of particles add to the sums of their cells, from what they give.
-void Coupling::fill(int first, int count, const double* given, double* sums) const
+/// What particles add to the sums of their cells, from what they give.
+void Coupling::fill(int count, const double (*position)[3], const double* given, double* sums) const
 {
-    const double(*position)[3] = mapping_.copyPositions(dem_.position()) + first;
     if (push_ && heat_)
         fillAs<true, true>(count, position, given, sums);
     else if (push_)

@@ -72,7 +72,7 @@ private:
     // blocks of particles; `gas` is what they see of it, [count][gasFields]
     void closures(int first, int count, const double* gas);
     void closuresOf(int first, int count, const double* gas);
-    void fill(int first, int count, const double* given, double* sums) const;
+    void fill(int count, const double (*position)[3], const double* given, double* sums) const;
     void dragOn(int first, int count, const Seen& seen);
     void heatOn(int first, int count, const Seen& seen);
     /// Cells that particles reach, so many at a time that what is known of them stays in the cache from one use to the

@@ -127,7 +127,7 @@ inline void putAllMasses(const BoxAxis& axis, const double* inverse, int most, A
     }
 }
 
-/// @param mass, centre  null: the weights become shares, and `inside` is set
+/// @param inside  null: `append`; else `appendShares`, with what is elsewhere in `mass` and `centre`
 HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
                                  const double* halfWidth, BoxWeights& weights, double* mass, double* centre,
                                  char* inside)
@@ -179,12 +179,18 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
         }
         if (inside)
         {
-            for (int i = 0; i < some; ++i) inside[begin + i] = isInside(masses[i], within[i]);
+            for (int i = 0; i < some; ++i)
+            {
+                masses[i] += mass[begin + i];
+                centre[begin + i] = within[i] += centre[begin + i];
+                inside[begin + i] = isInside(masses[i], within[i]);
+            }
             for (int i = 0; i < group; ++i)
             {
                 const double in = isInside(masses[i], within[i]) ? 1.0 : 0.0;
                 masses[i] = in / (in > 0.0 ? masses[i] : 1.0); // OpenFOAM traps a division by zero
             }
+            std::copy_n(masses, some, mass + begin);
             for (int r = 0; r < group; r += lanes, to += end * lanes)
                 for (int k = 0; k < most[0] * lanes; ++k) to[k] *= masses[r + k % lanes];
             continue;
@@ -371,9 +377,9 @@ void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const dou
 }
 
 void BoxWeights::appendShares(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
-                              const double* halfWidth, char* inside)
+                              const double* halfWidth, double* mass, double* centre, char* inside)
 {
-    appendAll(axis, count, position, halfWidth, *this, nullptr, nullptr, inside);
+    appendAll(axis, count, position, halfWidth, *this, mass, centre, inside);
 }
 
 BoxWeights::Particle* BoxWeights::room(int more)

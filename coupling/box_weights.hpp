@@ -70,10 +70,12 @@ struct BoxWeights
     void append(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3], const double* halfWidth,
                 double* mass, double* centre);
 
-    /// More particles, all of whose weights are here: these sum to one.
-    /// @param inside  set: whether the centre lies in the lattice; particles outside have no weights
+    /// More particles, whose weights sum to one with those that they have elsewhere.
+    /// @param mass    kernel mass elsewhere; set to the factor that made the weights of it
+    /// @param centre  above 0 where the centre is held elsewhere; this lattice is added
+    /// @param inside  set: whether the centre is held at all; particles outside have no weights
     void appendShares(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
-                      const double* halfWidth, char* inside);
+                      const double* halfWidth, double* mass, double* centre, char* inside);
 
     /// Multiplies the weights of `count` particles by a factor for each.
     void scale(int first, int count, const double* factor);

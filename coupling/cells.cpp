@@ -118,17 +118,19 @@ bool BoxCells::contains(const Point& x) const
     return full_ || cellOf_[slot(axis_[0].interval(x[0]), axis_[1].interval(x[1]), axis_[2].interval(x[2]))] >= 0;
 }
 
-void Weights::appendShares(int count, const double (*position)[3], const double* halfWidth, char* inside)
+void Weights::appendShares(int count, const double (*position)[3], const double* halfWidth, double* mass,
+                           double* centre, char* inside)
 {
     const int first = size();
-    std::vector<double> mass(std::size_t(count), 0.0), centre(mass);
-    append(count, position, halfWidth, mass.data(), centre.data());
-    for (std::size_t k = 0; k < mass.size(); ++k)
+    std::vector<double> ownMass(std::size_t(count), 0.0), ownCentre(ownMass);
+    append(count, position, halfWidth, ownMass.data(), ownCentre.data());
+    for (std::size_t k = 0; k < ownMass.size(); ++k)
     {
-        inside[k] = isInside(mass[k], centre[k]);
-        mass[k] = inside[k] ? 1.0 / mass[k] : 0.0;
+        const double total = ownMass[k] + mass[k];
+        inside[k] = isInside(total, centre[k] += ownCentre[k]);
+        mass[k] = inside[k] ? 1.0 / total : 0.0;
     }
-    scale(first, count, mass.data());
+    scale(first, count, mass);
 }
 
 class BoxCells::Products : public Weights
@@ -163,12 +165,13 @@ public:
         }
     }
 
-    void appendShares(int count, const double (*position)[3], const double* halfWidth, char* inside) override
+    void appendShares(int count, const double (*position)[3], const double* halfWidth, double* mass, double* centre,
+                      char* inside) override
     {
         if (cells_.full_)
-            weights_.appendShares(cells_.axis_, count, position, halfWidth, inside);
+            weights_.appendShares(cells_.axis_, count, position, halfWidth, mass, centre, inside);
         else
-            Weights::appendShares(count, position, halfWidth, inside);
+            Weights::appendShares(count, position, halfWidth, mass, centre, inside);
     }
 
     void scale(int first, int count, const double* factor) override { weights_.scale(first, count, factor); }

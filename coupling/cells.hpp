@@ -36,9 +36,12 @@ public:
     virtual void append(int count, const double (*position)[3], const double* halfWidth, double* mass,
                         double* centre) = 0;
 
-    /// Takes more particles, all of whose weights are on this rank: these sum to one.
+    /// Takes more particles, whose weights sum to one with those that they have on other ranks.
+    /// @param mass    kernel mass on cells of other ranks; set to the factor that made the weights of it
+    /// @param centre  how many cells of other ranks hold the centre; those of this rank are added
     /// @param inside  set for each: whether its centre lies in a cell; particles outside have no weights
-    virtual void appendShares(int count, const double (*position)[3], const double* halfWidth, char* inside);
+    virtual void appendShares(int count, const double (*position)[3], const double* halfWidth, double* mass,
+                              double* centre, char* inside);
 
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(int first, int count, const double* factor) = 0;

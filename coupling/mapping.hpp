@@ -41,10 +41,11 @@ struct ParticlePositions
 /// The one mapping between particles and cells, both ways (eq 4, 8): weights w_ic of particle i and cell c with
 /// sum_c w_ic = 1 for every particle, over all ranks and at all walls.
 ///
-/// Particles live on the ranks of the DEM, cells on those of the gas; the two decompositions are independent. Each
-/// particle is copied to every rank whose cells its kernel can reach; that rank holds the weights of its own cells.
-/// The particle's DEM rank is its home: partial sums go there. Messages are per particle and between the ranks that
-/// need them; nothing has the size of the whole system.
+/// Particles live on the ranks of the DEM, their home, cells on those of the gas; the two decompositions are
+/// independent. A rank holds the weights of its particles on its cells, where they lie. Of a particle whose kernel can
+/// reach the cells of another rank that one has a guest, with the weights on its cells; what guests read of the gas
+/// goes home, and what their particles give comes to them. So messages are per guest and between the ranks that need
+/// them, and nothing has the size of the whole system.
 class Mapping
 {
 public:
@@ -64,57 +65,32 @@ public:
 
     const Cells& cells() const { return *cells_; }
 
-    int particles() const { return particles_; }                               ///< particles of this rank (home)
-    int copies() const { return direct_ ? particles_ : receiveStart_.back(); } ///< with weights on this rank
-
-    /// Values of particles to their copies. Collective.
-    /// @param fields   values per particle
-    /// @param home     [particles()][fields]
-    /// @return [copies()][fields]; valid until the next call on this object
-    const double* toCopies(int fields, const double* home);
-
-    /// Values of particles that `update` sent already: their positions.
-    const double (*copyPositions(const double (*home)[3]) const)[3]
-    {
-        return direct_ ? home : reinterpret_cast<const double(*)[3]>(copyPosition_.data());
-    }
-
-    /// Partial sums of the copies added up at home. Collective.
-    /// @param copies   [copies()][fields]
-    /// @return [particles()][fields]; valid until the next call on this object
-    const double* toHome(int fields, const double* copies);
-
-    /// Weighted mean of cell values at the particles. Collective.
+    /// Weighted means of cell values to the particles, a block of them at a time: few enough that these need not leave
+    /// the (second) cache, enough that the processor sees the arrays that follow each other coming. Collective.
     /// @param fields      values per cell: 1, 2, 8 or 12
     /// @param cellValues  [cells().size()][fields]
-    /// @return [particles()][fields]; valid until the next call on this object
-    const double* interpolate(int fields, const double* cellValues);
-
-    /// Adds weight times particle value to the cells; local.
-    /// @param fields    values per particle: 1, 2, 8 or 12
-    /// @param copies    [copies()][fields]
-    /// @param cellSums  [cells().size()][fields], added to
-    void deposit(int fields, const double* copies, double* cellSums) { weights_->deposit(fields, copies, cellSums); }
-
-    /// Weighted means to the particles, a block of them at a time: few enough that these need not leave the (second)
-    /// cache, enough that the processor sees the arrays that follow each other coming. Collective.
     static constexpr int block = 2048;
     using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
     void interpolate(int fields, const double* cellValues, const Use& use);
 
-    /// The same, and what the particles answer to the cells; on one rank block by block. Collective.
-    /// @param use     sets what its particles give
-    /// @param given   [particles()][givenFields]
-    /// @param fill    what is summed up, from what `count` copies give: [count][givenFields] -> [count][sumFields]
-    /// @param sums    [cells().size()][sumFields], added to
-    using Fill = std::function<void(int first, int count, const double* given, double* values)>;
-    void answer(int fields, const double* cellValues, const Use& use, int givenFields, const double* given,
-                const Fill& fill, int sumFields, double* sums);
+    /// The same, and what the particles answer to the cells, block by block. Collective.
+    /// @param use       sets what its particles give
+    /// @param position  of the particles, as they were in `update`
+    /// @param given     [particles][givenFields]
+    /// @param fill      what is summed up, from where `count` particles are and what they give, [count][givenFields] ->
+    ///                  [count][sumFields]
+    /// @param cellSums  [cells().size()][sumFields], added to; 1, 2, 8 or 12 fields
+    using Fill = std::function<void(int count, const double (*position)[3], const double* given, double* values)>;
+    void answer(int fields, const double* cellValues, const Use& use, const double (*position)[3], int givenFields,
+                const double* given, const Fill& fill, int sumFields, double* cellSums);
 
 private:
+    class Guests;
+
     void route(const ParticlePositions& particles);
-    void weighCopies(const ParticlePositions& particles);
-    void weigh(const ParticlePositions& particles, int first, int count);
+    const double* receiveGuests(const ParticlePositions& particles);
+    const double* toGuests(int fields, const double* home);
+    const double* fromGuests(int fields, const double* guests);
     void exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
                   const std::vector<int>& receiveStart);
 
@@ -122,19 +98,18 @@ private:
     const int ranks_;
     int rank_ = 0;
     std::unique_ptr<const Cells> cells_;
-    std::unique_ptr<Weights> weights_;
-    std::vector<Box> bounds_; ///< of each rank's cells
+    std::unique_ptr<Weights> weights_, guestWeights_; ///< of this rank's particles, of its guests; on the same cells
+    std::vector<Box> bounds_;                         ///< of each rank's cells
 
     std::int64_t bytesSent_ = 0;
-    int particles_ = 0;
+    int particles_ = 0, guests_ = 0;
     double widest_ = 0;
-    const bool direct_;                         ///< one rank: copies are the particles themselves, nothing is packed
-    std::vector<int> sendParticle_;             ///< particle of each entry sent, rank after rank
+    std::vector<int> sendParticle_;             ///< particle of each entry sent: rank after rank, ascending for each
     std::vector<int> sendStart_, receiveStart_; ///< by rank
-    std::vector<Point> copyPosition_;           ///< on several ranks
-    std::vector<double> copyRadius_;
+    std::vector<Point> guestPosition_;
+    std::vector<double> guestVolume_;
     std::vector<char> inside_;
-    std::vector<double> sendBuffer_, receiveBuffer_, result_, partial_, filled_;
+    std::vector<double> sendBuffer_, receiveBuffer_, partial_, guestPartial_, filled_;
 };
 
 } // namespace hotbed
