@@ -16,6 +16,29 @@ int ranksOf(MPI_Comm communicator)
     return ranks;
 }
 
+/// What the kernels of some particles reach.
+Box reach(const ParticlePositions& particles, int first, int end)
+{
+    Box box = {{{1e300, 1e300, 1e300}}, {{-1e300, -1e300, -1e300}}};
+    for (int i = first; i < end; ++i)
+    {
+        const double n = particles.kernel.half(particles.radius[i]);
+        for (int a = 0; a < 3; ++a)
+        {
+            box.low[a] = std::min(box.low[a], particles.position[i][a] - n);
+            box.high[a] = std::max(box.high[a], particles.position[i][a] + n);
+        }
+    }
+    return box;
+}
+
+bool overlap(const Box& a, const Box& b)
+{
+    bool both = true;
+    for (int d = 0; d < 3; ++d) both = both && a.high[d] > b.low[d] && a.low[d] < b.high[d];
+    return both;
+}
+
 } // namespace
 
 /// Goes through what is sent to guests in the order of this rank's particles, block by block.
@@ -53,16 +76,18 @@ void Mapping::route(const ParticlePositions& particles)
 {
     sendParticle_.clear();
     std::vector<int> sendCount(ranks_, 0), receiveCount(ranks_, 0);
+    // particles that follow each other lie near each other: of most, and of most ranks, no one needs a look of its own
+    std::vector<Box> reached;
+    for (int first = 0; ranks_ > 1 && first < particles_; first += block)
+        reached.push_back(reach(particles, first, std::min(first + block, particles_)));
     for (int r = 0; r < ranks_; ++r)
     {
-        const Box& box = bounds_[r];
-        for (int i = 0; r != rank_ && box.low[0] <= box.high[0] && i < particles.count; ++i)
+        const bool other = r != rank_ && bounds_[r].low[0] <= bounds_[r].high[0];
+        for (int first = 0; other && first < particles_; first += block)
         {
-            const double* x = particles.position[i];
-            const double n = particles.kernel.half(particles.radius[i]);
-            bool reached = true;
-            for (int a = 0; a < 3; ++a) reached = reached && x[a] + n > box.low[a] && x[a] - n < box.high[a];
-            if (reached) sendParticle_.push_back(i);
+            if (!overlap(reached[std::size_t(first / block)], bounds_[r])) continue;
+            for (int i = first; i < std::min(first + block, particles_); ++i)
+                if (overlap(reach(particles, i, i + 1), bounds_[r])) sendParticle_.push_back(i);
         }
         sendStart_[r + 1] = int(sendParticle_.size());
         sendCount[r] = sendStart_[r + 1] - sendStart_[r];
