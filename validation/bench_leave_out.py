@@ -1,6 +1,7 @@
 """What a scene that needs less saves: the slim bed (`l = 2`) with a turbulence model, heat, friction, moving particles and
 output, against the same with each of them left out. `./hotbed bench leave_out [--quick]`. All forms run in turn, from the
-same lattice; the gas is too slow to lift the bed, so that it is in contact all over when the steps are counted."""
+same lattice; the gas is too slow to lift the bed, so that it is in contact all over when the steps are counted. The least of several
+times is a form's: other programs on the processor only add to it, and more than some forms save."""
 
 import argparse
 import sys
