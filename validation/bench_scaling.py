@@ -82,7 +82,7 @@ def main():
     figures.note(f"{numbers[-1]} particles: a particle-step of each of two copies at once, over that of one alone",
                  particle_steps(folder, numbers[-1:], 3, 2).min() / least[-1])
 
-    l, begin, repeats = ("2.5", 0.02, 3) if options.quick else ("1.5", 0.05, 9)
+    l, begin, repeats = ("2.5", 0.02, 7) if options.quick else ("1.5", 0.05, 9)
     source = paper_bed.start(l, begin)
     pairs = np.array([[results.loop_time(paper_bed.a_gas_step(source, folder / f"l={l},ranks={ranks}", l, STEP, 5, 25, ranks))
                        for ranks in (1, 2)] for _ in range(repeats)])
