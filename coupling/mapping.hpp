@@ -98,8 +98,9 @@ private:
     const int ranks_;
     int rank_ = 0;
     std::unique_ptr<const Cells> cells_;
-    std::unique_ptr<Weights> weights_, guestWeights_; ///< of this rank's particles, of its guests; on the same cells
-    std::vector<Box> bounds_;                         ///< of each rank's cells
+    /// of this rank's particles, of its guests; on the same cells, so `read` and `sums` of the first serve both
+    std::unique_ptr<Weights> weights_, guestWeights_;
+    std::vector<Box> bounds_; ///< of each rank's cells
 
     std::int64_t bytesSent_ = 0;
     int particles_ = 0, guests_ = 0;
