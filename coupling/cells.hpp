@@ -55,17 +55,6 @@ public:
     virtual double* sums(int, double* cells) { return cells; }
     virtual void passOn(int, double*) {}
 
-    /// The same for all particles: cells' values to particles, particles' values added to the cells.
-    void interpolate(int fields, const double* cells, double* particles)
-    {
-        interpolate(fields, 0, size(), read(fields, cells), particles);
-    }
-    void deposit(int fields, const double* particles, double* cells)
-    {
-        deposit(fields, 0, size(), particles, sums(fields, cells));
-        passOn(fields, cells);
-    }
-
     /// Number of particles.
     virtual int size() const = 0;
 };

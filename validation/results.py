@@ -88,9 +88,14 @@ def exchange_time(phases):
     return loop_time(phases) - phases["gas"] - phases["DEM"] - phases.get("output", 0.0)
 
 
+def processor_times(log):
+    """Processor seconds at the end of each time step, from the ExecutionTime lines of an OpenFOAM solver's log."""
+    return [float(t) for t in re.findall(r"(?m)^ExecutionTime = (\S+) s", Path(log).read_text())]
+
+
 def seconds_a_step(log, skip):
-    """Processor seconds a time step from the ExecutionTime lines of an OpenFOAM solver's log, the first `skip` steps left out."""
-    times = [float(t) for t in re.findall(r"(?m)^ExecutionTime = (\S+) s", Path(log).read_text())]
+    """Processor seconds a time step, the first `skip` steps left out."""
+    times = processor_times(log)
     return (times[-1] - times[skip - 1]) / (len(times) - skip)
 
 
@@ -103,7 +108,7 @@ class Figures:
     """Collects figures `name value bound PASS|FAIL`, prints each, writes results/NAME.json at the end."""
 
     def __init__(self, name, folder=Path("results"), verb="validate"):
-        self.name, self.folder, self.verb, self.rows, self.begin = name, Path(folder), verb, [], time.time()
+        self.name, self.folder, self.verb, self.rows, self.kept, self.begin = name, Path(folder), verb, [], [], time.time()
 
     def add(self, name, value, bound, text=None, least=False):
         """A figure that must not exceed its bound, or with `least` not fall below it (nan fails)."""
@@ -117,18 +122,29 @@ class Figures:
         self.rows.append({"name": name, "value": value})
         print(f"{name:68s} {value if isinstance(value, str) else '%.4g' % value}", flush=True)
 
+    def path(self):
+        suffix = "-quick" if "--quick" in sys.argv else ""
+        prefix = "bench_" if self.verb == "bench" else ""
+        return self.folder / f"{prefix}{self.name}{suffix}.json"
+
+    def keep(self, starts):
+        """Figures of the last time that have not been made anew, with their date. @param starts  what their names start with"""
+        if not self.path().is_file():
+            return
+        before, made = json.loads(self.path().read_text()), {row["name"] for row in self.rows}
+        self.kept = [{"date": before["date"], **row} for row in before["figures"]
+                     if row["name"].startswith(starts) and row["name"] not in made]
+
     def close(self):
         """Writes the JSON; @return exit status."""
         failed = [r for r in self.rows if r.get("pass") is False]
         self.folder.mkdir(parents=True, exist_ok=True)
-        record = {"command": "./hotbed " + " ".join([self.verb, self.name, *sys.argv[1:]]), "versions": versions(),
+        script = Path(sys.argv[0]).stem.removeprefix(f"{self.verb}_")
+        record = {"command": "./hotbed " + " ".join([self.verb, script, *sys.argv[1:]]), "versions": versions(),
                   "machine": machine(), "date": time.strftime("%Y-%m-%d"), "seconds": round(time.time() - self.begin),
-                  "figures": self.rows}
-        suffix = "-quick" if "--quick" in sys.argv else ""
-        prefix = "bench_" if self.verb == "bench" else ""
-        path = self.folder / f"{prefix}{self.name}{suffix}.json"
-        path.write_text(json.dumps(record, indent=1) + "\n")
-        print(f"{len(self.rows) - len(failed)} figures fine, {len(failed)} failed; written to {path}")
+                  "figures": self.rows + self.kept}
+        self.path().write_text(json.dumps(record, indent=1) + "\n")
+        print(f"{len(self.rows) - len(failed)} figures fine, {len(failed)} failed; written to {self.path()}")
         return 1 if failed else 0
 
 

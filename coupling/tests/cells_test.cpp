@@ -32,6 +32,19 @@ std::vector<Box> grid(const std::vector<double>& x, const std::vector<double>& y
 
 const Box unit{{{0, 0, 0}}, {{1, 1, 1}}};
 
+/// cells' values to all particles
+void interpolate(Weights& weights, int fields, const double* cells, double* particles)
+{
+    weights.interpolate(fields, 0, weights.size(), weights.read(fields, cells), particles);
+}
+
+/// all particles' values added to the cells
+void deposit(Weights& weights, int fields, const double* particles, double* cells)
+{
+    weights.deposit(fields, 0, weights.size(), particles, weights.sums(fields, cells));
+    weights.passOn(fields, cells);
+}
+
 std::map<int, double> masses(const Cells& cells, const Point& x, double n)
 {
     const auto weights = cells.weights();
@@ -39,7 +52,7 @@ std::map<int, double> masses(const Cells& cells, const Point& x, double n)
     double found, centre;
     weights->append(1, position, &n, &found, &centre);
     std::vector<double> deposited(cells.size(), 0.0);
-    weights->deposit(1, &one, deposited.data());
+    deposit(*weights, 1, &one, deposited.data());
     std::map<int, double> mass;
     double sum = 0.0;
     for (int c = 0; c < cells.size(); ++c)
@@ -214,16 +227,16 @@ TEST(Weights, SeveralFieldsAtATimeGiveWhatOneDoes)
             for (std::size_t i = 0; i < n; ++i)
                 for (int f = 0; f < fields; ++f) particleValue.push_back(entry(i, f));
             std::vector<double> read(n * fields), sum(m * fields, 0.0), one(m), readOne(n);
-            weights->interpolate(fields, cellValue.data(), read.data());
-            weights->deposit(fields, particleValue.data(), sum.data());
+            interpolate(*weights, fields, cellValue.data(), read.data());
+            deposit(*weights, fields, particleValue.data(), sum.data());
             for (int f = 0; f < fields; ++f)
             {
                 for (std::size_t c = 0; c < m; ++c) one[c] = entry(c, f);
-                weights->interpolate(1, one.data(), readOne.data());
+                interpolate(*weights, 1, one.data(), readOne.data());
                 for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(read[i * fields + f], readOne[i], 1e-15);
                 std::vector<double> given(n), sumOne(m, 0.0);
                 for (std::size_t i = 0; i < n; ++i) given[i] = entry(i, f);
-                weights->deposit(1, given.data(), sumOne.data());
+                deposit(*weights, 1, given.data(), sumOne.data());
                 for (std::size_t c = 0; c < m; ++c) EXPECT_NEAR(sum[c * fields + f], sumOne[c], 1e-15);
             }
         }

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import json
 import shutil
 import sys
 import tempfile
@@ -95,6 +96,19 @@ class Paper(unittest.TestCase):
                 self.assertEqual(now[key], before[table][key])
         paper_tables.make(stem, {again: self.folders[again]}, np.linspace(0.1, 0.3, 50), 0.2)
         self.assertEqual(set(paper_tables.lines_by_key(stem, "")), {tuple(map(str, again))})
+
+    def test_figures_of_runs_that_are_elsewhere_stay_with_their_date(self):
+        with contextlib.redirect_stdout(io.StringIO()):
+            before, now = (results.Figures("made_up", self.folder) for _ in range(2))
+            for run, of in (("l = 1: ", before), ("l = 2: ", before), ("l = 3: ", before), ("l = 2: ", now)):
+                of.add(run + "energy", 2 if of is now else 1, 3)
+            before.close()
+            now.keep(("l = 1: ", "l = 2: "))
+            now.close()
+        written = json.loads(now.path().read_text())
+        rows = {row["name"]: row for row in written["figures"]}
+        self.assertEqual({name: row["value"] for name, row in rows.items()}, {"l = 1: energy": 1, "l = 2: energy": 2})
+        self.assertEqual([rows[f"l = {l}: energy"].get("date") for l in (1, 2)], [written["date"], None])
 
     def test_pictures_are_drawn_from_the_tables_alone(self):
         for made, number in (((({}), []), 5), (self.made, 7)):
