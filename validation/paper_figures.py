@@ -41,7 +41,9 @@ def ratio_lines(colour):
 
 def configurations(runs, times, quantity):
     """A row a time, a column for the finest ratio and for `l` = 2 (else the coarsest) at each velocity."""
-    first = {(float(l), float(u0)): run for (l, u0, nudge), run in runs.items() if nudge == 1}
+    first = {}  # of repeats
+    for (l, u0, _), run in runs.items():
+        first.setdefault((float(l), float(u0)), run)
     ratios = sorted({l for l, _ in first})
     pair = [ratios[0], 2.0 if 2.0 in ratios[1:] else ratios[-1]]
     columns = [(l, u0) for u0 in sorted({u0 for _, u0 in first}) for l in dict.fromkeys(pair) if (l, u0) in first]

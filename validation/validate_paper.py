@@ -10,9 +10,9 @@ twice as wide and deep, at the lowest velocity, 3 s.
 --quick: `l` = 2 and 2.5 of the slim bed, one velocity, 1 s.
 
 Writes small tables, results/paper*.csv, and from them and the runs the paper's figures 2 to 12 beside the runs. Temperatures and
-Nusselt numbers are compared from the tables, so with runs of before, too, that the tables keep. --figures runs
-nothing: it makes the tables anew from the runs that have come to the end (or to --until), if there are any, draws the
-figures, in FOLDER if one is given, and prints what the tables tell."""
+Nusselt numbers are compared from the tables, so with runs of before, too, that the tables keep, and results/paper*.json keeps
+what else was told of those. --figures runs nothing: it makes the tables anew from the runs that have come to the end (or to
+--until), if there are any, draws the figures, in FOLDER if one is given, and tells what tables and runs tell."""
 
 import argparse
 import itertools
@@ -170,8 +170,6 @@ def main():
                     (above.mean() - below.mean()) / bar, 1.0, f"{below.mean():.3f} and {above.mean():.3f}, bar {bar:.3f}", least=True)
     for what, value in paper_tables.distances(stem, HOT).items():
         figures.note(what, value)
-    if options.figures is not None:
-        return
     for u0, l in sorted({(u0, l) for l, u0, _ in folders}):
         runs = [run for key, run in folders.items() if key[:2] == (l, u0)]
         of_runs(figures, float(u0), float(l), tau[float(u0)], runs, end, start)
