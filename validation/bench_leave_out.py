@@ -42,8 +42,8 @@ FORMS = {
 }
 
 
-def start(folder, form, end):
-    """@return folder of the run, its process"""
+def prepared(folder, form, end):
+    """@return folder of the run"""
     target = folder / form.replace(" ", "_")
     hotbed.prepare(CASE, target, {"u0": "0.03", "deltaT": "1e-4", "maxDeltaT": "1e-4", "endTime": f"{end}", "writeInterval": "0.005"}, overwrite=True)
     edits = FORMS[form]
@@ -52,14 +52,16 @@ def start(folder, form, end):
             (target / "0" / name).write_text(FIELD.format(name=name, dimensions=dimensions))
     for file, pattern, replacement in ([LAMINAR, *edits] if edits is not None else []):
         edit(target / file, pattern, replacement)
-    process = hotbed.start(target)
-    process.send_signal(signal.SIGSTOP)
-    return target, process
+    return target
 
 
-def take_turns(processes):
+def take_turns(runs):
     """Until all have ended; one that fails ends all."""
+    processes = []
     try:
+        for run in runs:
+            processes.append(hotbed.start(run))
+            processes[-1].send_signal(signal.SIGSTOP)
         while any(process.returncode is None for process in processes):
             for process in processes:
                 process.send_signal(signal.SIGCONT)
@@ -79,8 +81,8 @@ def main():
     options = parser.parse_args()
     figures = results.Figures("leave_out", verb="bench")
     folder = Path("results") / "leave_out" / "bench"
-    runs, processes = zip(*(start(folder, form, 0.1 if options.quick else 0.3) for form in FORMS))
-    take_turns(processes)
+    runs = [prepared(folder, form, 0.1 if options.quick else 0.3) for form in FORMS]
+    take_turns(runs)
     spans = np.array([np.diff(np.array(results.processor_times(run / "log.hotbedFoam"))[SETTLED - 1::SPAN]) / SPAN for run in runs])
     figures.note("everything: seconds a gas step", spans[0].mean())
     for form, seconds in list(zip(FORMS, spans))[1:]:
