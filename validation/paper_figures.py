@@ -41,7 +41,7 @@ def ratio_lines(colour):
 
 def configurations(runs, times, quantity):
     """A row a time, a column for the finest ratio and for `l` = 2 (else the coarsest) at each velocity."""
-    first = {}  # of repeats
+    first = {}  # of the repeats of a run, as far as they are there
     for (l, u0, _), run in runs.items():
         first.setdefault((float(l), float(u0)), run)
     ratios = sorted({l for l, _ in first})

@@ -123,6 +123,7 @@ class Figures:
         print(f"{name:68s} {value if isinstance(value, str) else '%.4g' % value}", flush=True)
 
     def path(self):
+        """Of the JSON."""
         suffix = "-quick" if "--quick" in sys.argv else ""
         prefix = "bench_" if self.verb == "bench" else ""
         return self.folder / f"{prefix}{self.name}{suffix}.json"
