@@ -133,7 +133,10 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
     fact("cell", cmptMin(cell), cell[up3]); // smallest extent of all, along gravity
     const auto imbalance = [](double mine) { return largest(mine) * Pstream::nProcs() / max(sum(mine), VSMALL); };
     fact("imbalance", imbalance(dem.size()), imbalance(mesh.nCells())); // largest over mean of the ranks
-    fact("domain", cmptMin(mesh.bounds().span()));
+    vector across = mesh.bounds().span();
+    fact("domain", cmptMin(across));
+    across[up3] = GREAT;
+    fact("across", cmptMin(across)); // smallest extent of the column across gravity
     fact("section", column.section);
     fact("kernel", largest(kernel));
     fact("gravity", column.gravity);

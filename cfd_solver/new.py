@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import run as hotbed
+from check_rows import ACROSS
 from follow import COMMAND
 
 EXAMPLE = hotbed.ROOT / "examples" / "slim_bed"
@@ -53,7 +54,8 @@ def design(o):
     if solids > section * height:
         raise hotbed.CaseError(f"the particles' volume of {solids:.3g} m3 is more than the column's, {section * height:.3g} m3: set a "
                                "greater --size, or a smaller --static-height or --solids")
-    ratio = o.l or max(1.0, math.ceil(2 * (solids / ball / MOST) ** (1 / 3)) / 2)
+    room = math.floor(2 * min(width, depth) / (ACROSS * o.diameter) * (1 + 1e-9)) / 2  # the largest l that `check` does not advise against
+    ratio = o.l or max(1.0, min(math.ceil(2 * (solids / ball / MOST) ** (1 / 3)) / 2, room))
     coarse = ratio * o.diameter
     if 3 * coarse > min(width, depth, height):
         raise hotbed.CaseError(f"the bed of {width:g} x {depth:g} m is narrower than the kernel, three coarse particles of "

@@ -128,12 +128,20 @@ class Check(CoupledTest):
         def advised(**settings):
             return {name for name, row in table(SLIM_BED, **{**SMALL, **settings})[1].items() if row.level == check.ADVICE}
 
-        self.assertEqual(advised(), set())
+        self.assertEqual(advised(), {"column"})  # 4 particles across
+        self.assertEqual(advised(l=1), set())
         self.assertEqual(advised(u0=0.02), {"fluidisation"})
         self.assertEqual(advised(u0=3), {"fluidisation"})
-        self.assertEqual(advised(maxCo=4), {"gas step"})
-        self.assertEqual(advised(cellsWidth=16), {"cells"})
-        self.assertEqual(advised(kernelWidth=5), {"kernel"})
+        self.assertEqual(advised(maxCo=4), {"gas step", "column"})
+        self.assertEqual(advised(cellsWidth=16), {"cells", "column"})
+        self.assertEqual(advised(kernelWidth=5), {"kernel", "column"})
+
+    def test_room_for_coarse_particles(self):
+        for l, level in ((2, check.OK), (2.5, check.ADVICE)):
+            row = table(SLIM_BED, l=l)[1]["column"]  # 10 mm deep
+            self.assertEqual(row.level, level, row)
+            self.assertIn(f"10 mm across, {20 / l:g} coarse particles", row.text)
+        self.assertIn("set l to at most 2,", row.text)
 
     def test_the_command(self):
         def command(case, *words):

@@ -64,7 +64,7 @@ class New(CoupledTest):
                 rows = {row.name: row for row in check.rows(facts, control, peak, refused, 1)}
                 for name, row in rows.items():
                     self.assertNotEqual(row.level, check.REFUSED, row)
-                    if "stiffness" not in name:
+                    if "stiffness" not in name and name != "column":  # these beds are narrow
                         self.assertNotEqual(row.level, check.ADVICE, row)
                 wanted = values["static-height"] * 0.6 * facts["section"] / (math.pi / 6 * (values["l"] * values["diameter"])**3)
                 self.assertAlmostEqual(facts["particles"], wanted, delta=0.51)
@@ -82,6 +82,16 @@ class New(CoupledTest):
                 low, high = sorted([values["temperature"], values["inlet-temperature"]])
                 self.assertGreater(min(bed["T_min_K"].min(), bed["gas_T_min_K"].min()), low * (1 - 1e-9))
                 self.assertLess(max(bed["T_max_K"].max(), bed["gas_T_max_K"].max()), high * (1 + 1e-9))
+
+    def test_the_ratio_that_is_chosen(self):
+        def ratio(**values):
+            options = new.parser().parse_args(["bed", "--u0", "0.2", *words(values)])
+            return new.design(options)["l"]
+
+        for size, l in (([0.02, 0.01, 0.1], 1.5), ([0.04, 0.025, 0.2], 3), ([0.2, 0.005, 0.2], 1), ([0.2, 0.01, 0.2], 2),
+                        ([0.2, 0.004, 0.2], 1)):  # the last three: no fewer than ten particles across, if the original has them
+            with self.subTest(size):
+                self.assertEqual(ratio(size=size), l)
 
     def test_what_does_not_go_together_is_refused(self):
         for values, text in (({"l": 10}, "set --l to at most 6.67"), ({"static-height": 0.09}, "greater height"),
