@@ -156,10 +156,12 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
     const double gasShare = voidage / (1 - voidage) * solids; // volume of the gas between the particles
     const double number = solids / sphereVolume(0.5 * d);     // of original particles
     const double reynolds = density * mag(u0) * d / viscosity;
+    double logReynolds;
+    logarithms(1, &reynolds, &logReynolds);
     if (settings.drag)
     {
         double beta;
-        settings.drag(1, &voidage, &reynolds, &beta);
+        settings.drag(1, &voidage, &reynolds, &logReynolds, &beta);
         const double drag = dragCoefficient(beta, viscosity, voidage, d, 1.0);
         fact("dragTime", mass / number / drag, density * gasShare / (number * drag)); // of a particle, of the gas
         fact("minimumFluidisation", carryingVelocity(settings.drag, suspension, packed, column.gravity),
@@ -169,9 +171,9 @@ void Check::gas(const CouplingSettings& settings, const fvMesh& mesh, const Dem&
                                  column.section);
     }
     if (!heated) return;
-    const double prandtl = viscosity * capacityOfGas / conductivity;
+    const double prandtlRoot = std::cbrt(viscosity * capacityOfGas / conductivity);
     double nusselt;
-    settings.heatTransfer(1, &voidage, &reynolds, &prandtl, &nusselt);
+    settings.heatTransfer(1, &voidage, &logReynolds, &prandtlRoot, &nusselt);
     const double conductance = number * heatConductance(nusselt, conductivity, d, 1.0);
     fact("temperature", heat / capacity);
     fact("heatTime", capacity / conductance, density * capacityOfGas * gasShare / conductance);

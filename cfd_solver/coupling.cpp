@@ -5,7 +5,6 @@
 #include "vectorised.hpp"
 
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 using namespace Foam;
@@ -175,6 +174,7 @@ void Coupling::particlesToGas()
     const fluidThermo& thermo = gas_.thermo();
     const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), Cp = thermo.Cp();
     const scalarField& alpha = thermo.alpha(); // kappa/Cp
+    const NoTraps guard;
     cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
     for (const label c : reached_)
     {
@@ -184,7 +184,7 @@ void Coupling::particlesToGas()
         f[4] = rho()[c];
         f[5] = mu()[c];
         f[6] = alpha[c] * Cp()[c];
-        f[7] = Cp()[c];
+        f[7] = std::cbrt(mu()[c] / alpha[c]);
     }
     if (heat_)
     {
@@ -192,8 +192,13 @@ void Coupling::particlesToGas()
         const int n = dem_.size();
         const double* T = dem_.temperature();
         int impossible = 0;
-#pragma omp simd reduction(+ : impossible)
-        for (int i = 0; i < n; ++i) impossible += !(T[i] > 0.0 && T[i] <= hottest);
+        double sum[2] = {0.0, double(n)}, &all = sum[0];
+#pragma omp simd reduction(+ : impossible, all)
+        for (int i = 0; i < n; ++i)
+        {
+            impossible += !(T[i] > 0.0 && T[i] <= hottest);
+            all += T[i];
+        }
         for (int i = 0; impossible && i < n; ++i)
             if (!(T[i] > 0.0 && T[i] <= hottest))
                 FatalErrorInFunction
@@ -201,14 +206,12 @@ void Coupling::particlesToGas()
                     << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "
                     << "set_property), or the heat capacity or an inlet temperature is impossible. The "
                     << "restarts written before are whole" << exit(FatalError);
-        double sum[2] = {std::accumulate(T, T + n, 0.0), double(n)};
         MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
         gas_.exchange().reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
     }
     given_.resize(std::size_t(dem_.size()) * givenFields_);
     cellSums_.resize(std::size_t(mesh_.nCells()) * sumFields_);
     for (const label c : reached_) std::fill_n(&cellSums_[std::size_t(c) * sumFields_], sumFields_, 0.0);
-    const NoTraps guard;
     mapping_.answer(
         gasFields, cellValues_.data(),
         [this](int first, int count, const double* gas)
@@ -256,7 +259,7 @@ HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* ga
 void Coupling::closuresOf(int first, int count, const double* gas)
 {
     Seen seen;
-    alignas(64) double reynolds[part], prandtl[part], beta[part] = {}, nusselt[part], here[part];
+    alignas(64) double reynolds[part], logReynolds[part], prandtlRoot[part], beta[part], nusselt[part], here[part];
     const double l = dem_.ratio();
     const double* radius = dem_.radius() + first;
     const double(*v)[3] = dem_.velocity() + first;
@@ -267,22 +270,25 @@ void Coupling::closuresOf(int first, int count, const double* gas)
         const double* g = gas + k * gasFields;
         const double slip[3] = {g[1] - v[k][0], g[2] - v[k][1], g[3] - v[k][2]};
         here[k] = inside[k] ? 1.0 : 0.0; // else it has left the mesh: any numbers, it exchanges nothing
-        const double one = 1.0 - here[k], viscosity = g[5] + one, conductivity = g[6] + one;
-        const double inverse = 1.0 / (viscosity * conductivity); // of both in one division
+        const double one = 1.0 - here[k];
         seen.voidage[k] = g[0] + one;
         seen.density[k] = g[4];
-        seen.viscosity[k] = viscosity;
-        seen.conductivity[k] = conductivity;
+        seen.viscosity[k] = g[5] + one;
+        seen.conductivity[k] = g[6];
         reynolds[k] = g[0] * g[4] * std::sqrt(slip[0] * slip[0] + slip[1] * slip[1] + slip[2] * slip[2]) *
-                      (original * radius[k]) * (conductivity * inverse);
-        prandtl[k] = (g[5] * g[7] + one) * (viscosity * inverse);
+                      (original * radius[k]) / seen.viscosity[k];
+        prandtlRoot[k] = g[7];
     }
-    if (settings_.drag) settings_.drag(count, seen.voidage, reynolds, beta);
+    logarithms(count, reynolds, logReynolds);
+    if (settings_.drag)
+        settings_.drag(count, seen.voidage, reynolds, logReynolds, beta);
+    else
+        std::fill_n(beta, count, 0.0);
     for (int k = 0; k < count; ++k)
         seen.B[k] = here[k] * dragCoefficient(beta[k], seen.viscosity[k], seen.voidage[k], original * radius[k], l);
     dragOn(first, count, seen);
     if (!heat_) return;
-    settings_.heatTransfer(count, seen.voidage, reynolds, prandtl, nusselt);
+    settings_.heatTransfer(count, seen.voidage, logReynolds, prandtlRoot, nusselt);
     double* result = dem_.nusselt() + first;
     for (int k = 0; k < count; ++k)
     {

@@ -13,7 +13,7 @@
 namespace hotbed
 {
 
-constexpr int gasFields = 8; ///< voidage, U, rho, mu, kappa, Cp: one cache line a cell
+constexpr int gasFields = 8; ///< voidage, U, rho, mu, kappa, cube root of Pr: one cache line a cell
 
 /// A difference over the size of what differs; where that is nothing, the difference itself.
 inline double relative(double difference, double size)

@@ -13,12 +13,15 @@ namespace hotbed
 /// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff. With `exchange implicit` G is h A and X is 0.
 HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const Seen& seen)
 {
-    alignas(64) double mc[part], b[part], gain[part], early[part] = {};
+    alignas(64) double mc[part], b[part], gain[part], early[part];
     const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt, reference = gas_.exchange().reference;
     const double* T = dem_.temperature() + first;
     dem_.heatCapacity(first, count, mc);
     for (int k = 0; k < count; ++k) b[k] = gain[k] = seen.conductance[k] * dt / mc[k];
-    if (settings_.linearExchange) relaxation(count, b, gain, early);
+    if (settings_.linearExchange)
+        relaxation(count, b, gain, early);
+    else
+        std::fill_n(early, count, 0.0);
     double* given = &given_[std::size_t(first) * givenFields_ + std::size_t(heatAt_)];
     for (int k = 0; k < count; ++k, given += givenFields_)
     {

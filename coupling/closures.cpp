@@ -20,56 +20,49 @@ namespace
 // Powers are exponentials of one logarithm: these are evaluated for every particle in every gas step. No branches, so
 // that several particles fit in a register.
 
-/// below this the rest is lost in the last digit, and powers of it would overflow
-constexpr double stagnant = 1e-12;
-
 /// Beetstra, van der Hoef & Kuipers (2007), paper eq 5.
-inline double beetstra(double voidage, double reynolds)
+inline double beetstra(double voidage, double reynolds, double logReynolds)
 {
     const double solids = 1.0 - voidage;
     const double inverse = 1.0 / voidage, inverse2 = inverse * inverse; // divisions take as long as an exponential
     const double creeping = 10.0 * solids * inverse2 + voidage * voidage * (1.0 + 1.5 * std::sqrt(solids));
-    const double log = std::log(reynolds > stagnant ? reynolds : stagnant);
-    const double top = reynolds * (inverse + 3.0 * voidage * solids) + 8.4 * std::exp(0.657 * log);
-    const double bottom = 1.0 + std::exp(3.0 * M_LN10 * solids - (0.5 + 2.0 * solids) * log);
-    const double inertial = 0.413 / 24.0 * inverse2 * top / bottom;
-    return creeping + (reynolds > stagnant ? inertial : 0.0);
+    const double top = reynolds * (inverse + 3.0 * voidage * solids) + 8.4 * std::exp(0.657 * logReynolds);
+    const double bottom = 1.0 + std::exp(3.0 * M_LN10 * solids - (0.5 + 2.0 * solids) * logReynolds);
+    return creeping + 0.413 / 24.0 * inverse2 * top / bottom;
 }
 
 /// Ergun (1952) below a voidage of 0.8 and Wen & Yu (1966) from there on, as joined by Gidaspow (1994); the force on a
 /// particle is that of the interphase coefficient K of these laws, K V / (1 - voidage).
-inline double ergunWenYu(double voidage, double reynolds)
+inline double ergunWenYu(double voidage, double reynolds, double logReynolds)
 {
     const double ergun = (150.0 * (1.0 - voidage) + 1.75 * reynolds) / (18.0 * voidage * voidage);
-    const double power = std::exp(0.687 * std::log(reynolds > 1e-300 ? reynolds : 1e-300));
-    const double single = reynolds < 1000.0 ? 1.0 + 0.15 * power : 0.44 / 24.0 * reynolds;
+    const double single = reynolds < 1000.0 ? 1.0 + 0.15 * std::exp(0.687 * logReynolds) : 0.44 / 24.0 * reynolds;
     const double wenYu = single * std::exp(-3.65 * std::log(voidage));
     return voidage < 0.8 ? ergun : wenYu;
 }
 
 /// Gunn (1978), paper eq 9; fitted for voidage 0.35 to 1 and reynolds up to 1e5.
-inline double gunn(double voidage, double reynolds, double prandtl)
+inline double gunn(double voidage, double logReynolds, double pr)
 {
-    const double pr = std::exp(std::log(prandtl) / 3.0);
-    const double re = reynolds > 0.0 ? std::exp(0.1 * std::log(reynolds > 1e-300 ? reynolds : 1e-300)) : 0.0;
+    const double re = std::exp(0.1 * logReynolds);
     const double re2 = re * re;
     const double re7 = re2 * re2 * re2 * re;
     const double e2 = voidage * voidage;
     return (7.0 - 10.0 * voidage + 5.0 * e2) * (1.0 + 0.7 * re2 * pr) + (1.33 - 2.40 * voidage + 1.20 * e2) * re7 * pr;
 }
 
-template <double (*law)(double, double)>
+template <double (*law)(double, double, double)>
 HOTBED_VECTORISED void drag(int n, const double* __restrict voidage, const double* __restrict reynolds,
-                            double* __restrict beta)
+                            const double* __restrict logReynolds, double* __restrict beta)
 {
-    for (int i = 0; i < n; ++i) beta[i] = law(voidage[i], reynolds[i]);
+    for (int i = 0; i < n; ++i) beta[i] = law(voidage[i], reynolds[i], logReynolds[i]);
 }
 
 template <double (*law)(double, double, double)>
-HOTBED_VECTORISED void heat(int n, const double* __restrict voidage, const double* __restrict reynolds,
-                            const double* __restrict prandtl, double* __restrict nusselt)
+HOTBED_VECTORISED void heat(int n, const double* __restrict voidage, const double* __restrict logReynolds,
+                            const double* __restrict prandtlRoot, double* __restrict nusselt)
 {
-    for (int i = 0; i < n; ++i) nusselt[i] = law(voidage[i], reynolds[i], prandtl[i]);
+    for (int i = 0; i < n; ++i) nusselt[i] = law(voidage[i], logReynolds[i], prandtlRoot[i]);
 }
 
 } // namespace
@@ -84,6 +77,11 @@ const std::map<std::string, HeatLaw>& heatLaws()
 {
     static const std::map<std::string, HeatLaw> laws = {{"Gunn", heat<gunn>}};
     return laws;
+}
+
+HOTBED_VECTORISED void logarithms(int n, const double* __restrict reynolds, double* __restrict logReynolds)
+{
+    for (int i = 0; i < n; ++i) logReynolds[i] = std::log(reynolds[i] > 1e-300 ? reynolds[i] : 1e-300);
 }
 
 double effectiveConductivity(double voidage)

@@ -12,17 +12,23 @@ namespace hotbed
 
 /// A drag law for n particles at a time: drag of a gas on a sphere in a bed, over its Stokes drag, as `dragCoefficient`
 /// takes it.
-/// @param voidage   gas holdup, (0, 1]
-/// @param reynolds  eq 6, >= 0
-/// @param beta      set [-]; the limit for reynolds -> 0 is finite and is what 0 gives
-using DragLaw = void (*)(int n, const double* voidage, const double* reynolds, double* beta);
+/// @param voidage      gas holdup, (0, 1]
+/// @param reynolds     eq 6, >= 0
+/// @param logReynolds  `logarithms` of them, which all laws take powers by
+/// @param beta         set [-]; the limit for reynolds -> 0 is finite and is what 0 gives
+using DragLaw = void (*)(int n, const double* voidage, const double* reynolds, const double* logReynolds, double* beta);
 
 /// A heat law for n particles at a time: Nusselt number of a sphere in a bed.
-/// @param voidage   gas holdup, (0, 1]
-/// @param reynolds  eq 6, >= 0
-/// @param prandtl   viscosity * heat capacity / conductivity, > 0
-/// @param nusselt   set: Nusselt number on the original diameter [-]
-using HeatLaw = void (*)(int n, const double* voidage, const double* reynolds, const double* prandtl, double* nusselt);
+/// @param voidage      gas holdup, (0, 1]
+/// @param logReynolds  as above
+/// @param prandtlRoot  cube root of viscosity * heat capacity / conductivity, > 0; it hardly varies, so it is taken by
+///                     cell and not by particle
+/// @param nusselt      set: Nusselt number on the original diameter [-]
+using HeatLaw = void (*)(int n, const double* voidage, const double* logReynolds, const double* prandtlRoot,
+                         double* nusselt);
+
+/// Natural logarithms of n Reynolds numbers, finite for 0: any power by them is then 0, or infinite, to the last digit.
+void logarithms(int n, const double* reynolds, double* logReynolds);
 
 /// All laws, by their names in couplingProperties. A host that traps floating-point errors calls them within NoTraps
 /// (vectorised.hpp). The formulas and where they come from are in closures.cpp.

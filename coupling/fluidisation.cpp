@@ -12,8 +12,9 @@ namespace
 double lift(DragLaw law, const Suspension& s, double voidage, double superficial)
 {
     const double reynolds = s.gasDensity * superficial * s.diameter / s.viscosity;
-    double beta;
-    law(1, &voidage, &reynolds, &beta);
+    double logReynolds, beta;
+    logarithms(1, &reynolds, &logReynolds);
+    law(1, &voidage, &reynolds, &logReynolds, &beta);
     const double drag = dragCoefficient(beta, s.viscosity, voidage, s.diameter, 1.0) * superficial / voidage;
     return drag / voidage / (M_PI / 6.0 * s.diameter * s.diameter * s.diameter);
 }

@@ -137,20 +137,22 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles, dou
     inside_.resize(std::size_t(particles_));
     weights_->clear();
     guestWeights_->clear();
-    double largest = 0.0;
-#pragma omp simd reduction(max : largest)
-    for (int i = 0; i < particles_; ++i) largest = particles.radius[i] > largest ? particles.radius[i] : largest;
-    widest_ = particles_ ? particles.kernel.half(largest) : 0.0;
     route(particles);
     const double* found = receiveGuests(particles);
     std::vector<double> factors(sendParticle_.size());
     Guests incoming(*this), outgoing(*this);
     double* sums = volumes ? weights_->sums(1, volumes) : nullptr;
-    double halfWidth[block] = {}, volume[block], mass[block], centre[block];
+    double halfWidth[block], volume[block], mass[block], centre[block], widest = 0.0;
     for (int first = 0; first < particles_; first += block)
     {
         const int count = std::min(block, particles_ - first);
-        for (int k = 0; k < count; ++k) halfWidth[k] = particles.kernel.half(particles.radius[first + k]);
+#pragma omp simd reduction(max : widest)
+        for (int k = 0; k < count; ++k)
+        {
+            halfWidth[k] = particles.kernel.half(particles.radius[first + k]);
+            volume[k] = sphereVolume(particles.radius[first + k]);
+            widest = halfWidth[k] > widest ? halfWidth[k] : widest;
+        }
         std::fill_n(mass, count, 0.0);
         std::fill_n(centre, count, 0.0);
         incoming.upTo(first + count,
@@ -161,10 +163,9 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles, dou
                       });
         weights_->appendShares(count, particles.position + first, halfWidth, mass, centre, inside_.data() + first);
         outgoing.upTo(first + count, [&](std::size_t e, int i) { factors[e] = mass[i - first]; });
-        if (!volumes) continue;
-        for (int k = 0; k < count; ++k) volume[k] = sphereVolume(particles.radius[first + k]);
-        weights_->deposit(1, first, count, volume, sums);
+        if (volumes) weights_->deposit(1, first, count, volume, sums);
     }
+    widest_ = widest;
     receiveBuffer_.resize(std::size_t(guests_));
     exchange(1, factors.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
     guestWeights_->scale(0, guests_, receiveBuffer_.data());

@@ -17,11 +17,13 @@ namespace
 /// A law by its name, or another function.
 double evaluate(const std::string& function, double a, double b, double c)
 {
-    double value;
+    double value, log;
+    logarithms(1, &b, &log);
     if (const auto drag = dragLaws().find(function); drag != dragLaws().end())
-        return drag->second(1, &a, &b, &value), value;
+        return drag->second(1, &a, &b, &log, &value), value;
+    const double root = std::cbrt(c);
     if (const auto heat = heatLaws().find(function); heat != heatLaws().end())
-        return heat->second(1, &a, &b, &c, &value), value;
+        return heat->second(1, &a, &log, &root, &value), value;
     if (function == "effectiveConductivity") return effectiveConductivity(a);
     if (function == "dashpot") return dashpot(a, b, c);
     if (function == "tangentialStiffness") return tangentialStiffness(a, b, c);
@@ -88,15 +90,17 @@ TEST(Closures, EveryDragHasAPositiveLimitAtRest)
 
 TEST(Closures, ManyAtATimeGiveWhatOneDoes)
 {
-    std::vector<double> voidage, reynolds, prandtl;
+    std::vector<double> voidage, reynolds, prandtl, prandtlRoot;
     for (int i = 0; i < 1003; ++i)
     {
         voidage.push_back(0.2 + 0.8 * i / 1002);
         reynolds.push_back(i % 7 ? std::pow(10.0, -14 + i % 20) : 0.0);
         prandtl.push_back(0.01 * (1 + i));
+        prandtlRoot.push_back(std::cbrt(prandtl.back()));
     }
     const int n = int(voidage.size());
-    std::vector<double> many(n);
+    std::vector<double> many(n), logReynolds(n);
+    logarithms(n, reynolds.data(), logReynolds.data());
     const auto compare = [&](const std::string& law)
     {
         for (int i = 0; i < n; ++i)
@@ -105,12 +109,12 @@ TEST(Closures, ManyAtATimeGiveWhatOneDoes)
     };
     for (const auto& law : dragLaws())
     {
-        law.second(n, voidage.data(), reynolds.data(), many.data());
+        law.second(n, voidage.data(), reynolds.data(), logReynolds.data(), many.data());
         compare(law.first);
     }
     for (const auto& law : heatLaws())
     {
-        law.second(n, voidage.data(), reynolds.data(), prandtl.data(), many.data());
+        law.second(n, voidage.data(), logReynolds.data(), prandtlRoot.data(), many.data());
         compare(law.first);
     }
 }
