@@ -12,7 +12,7 @@ SETTLING = ((6000, 1.4), (46000, 1.8))
 BUBBLES = 10
 # Largest share of the particles over the mean of the ranks that goes without advice: the others wait a fifth of the DEM's time.
 UNEVEN = 1.25
-# Coarse particles across a column from which on a gently bubbling bed cools as the original: with 8 it cools 1.9 % too fast, with 10
+# Coarse particles across a column from which on a gently bubbling bed cools as the original: with 8 it cools 1.7 % too fast, with 10
 # within the scatter, with 16 within 0.5 % (docs/paper.md, mean temperature).
 ACROSS = 10
 

@@ -48,9 +48,9 @@ def repeats(bed, l, u0):
     """How often a run is made. Fine beds take long: of the finest, that where the others differ most from it."""
     if bed == "fluidized_bed":
         return 1
-    if l == "2.5":
+    if l == "2.5" or (bed, l, u0) == ("slim_bed", "1", "0.14"):
         return 3
-    return 2 if l == "2" or (bed, l, u0) == ("slim_bed", "1", "0.14") else 1
+    return 2 if l == "2" else 1
 
 
 def cooling_time(case, setting, u0):
