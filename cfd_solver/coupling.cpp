@@ -184,7 +184,7 @@ void Coupling::particlesToGas()
         f[4] = rho()[c];
         f[5] = mu()[c];
         f[6] = alpha[c] * Cp()[c];
-        f[7] = std::cbrt(mu()[c] / alpha[c]);
+        f[7] = heat_ ? std::cbrt(mu()[c] / alpha[c]) : 0.0;
     }
     if (heat_)
     {
