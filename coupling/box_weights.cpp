@@ -190,7 +190,7 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
                 const double in = isInside(masses[i], within[i]) ? 1.0 : 0.0;
                 masses[i] = in / (in > 0.0 ? masses[i] : 1.0); // OpenFOAM traps a division by zero
             }
-            for (int i = 0; i < some; ++i) mass[begin + i] = masses[i]; // a call of memmove takes longer
+            std::copy_n(masses, some, mass + begin);
             for (int r = 0; r < group; r += lanes, to += end * lanes)
                 for (int k = 0; k < most[0]; ++k)
                     reinterpret_cast<Lanes*>(to)[k] *= *reinterpret_cast<const Lanes*>(masses + r);
