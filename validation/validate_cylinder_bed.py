@@ -3,7 +3,8 @@
 
 Fixed: particles that fill the cylinder evenly at a voidage of 0.4, without contacts; the pressure gradient over the middle of
 the bed against Beetstra's correlation; hot gas from below for the energy budget. Fluidised:
-examples/cylinder_bed, the mean pressure drop against the weight of the particles over the cross-section of the gas mesh.
+examples/cylinder_bed, the mean pressure drop over the cross-section of the gas mesh and what floor and wall carry, by LIGGGHTS' own
+account, against the weight of particles and gas and what the particles gain of momentum.
 """
 
 import argparse
@@ -24,8 +25,9 @@ from run import prepare, run_case, tool
 from stability_scenes import beetstra
 
 VISCOSITY, DENSITY, DIAMETER = 1.8e-5, 300.0, 5e-4  # gas of constant density
-COLD, HOT = 293.15, 363.15
+COLD, HOT, GRAVITY = 293.15, 363.15, 9.81
 WINDOW = 0.5  # of the mean of the fluidised bed [s]
+AVERAGED = 1000  # DEM steps that a line of the forces of floor and wall is the mean of
 RADIUS, SIDES, HEIGHT, CELLS = 0.008, 24, 0.03, 22
 AREA = SIDES / 2 * np.sin(2 * np.pi / SIDES) * RADIUS**2  # the gas mesh is a prism
 COARSE, SOLIDS = 2 * DIAMETER, 0.6
@@ -47,6 +49,14 @@ def gradient(voidage, u0):
     """-dp/dz for a superficial velocity [Pa/m], see validate_bed_pressure.py."""
     beta = beetstra(voidage, DENSITY * u0 * DIAMETER / VISCOSITY)
     return 18 * VISCOSITY * (1 - voidage) * beta * u0 / voidage / DIAMETER**2
+
+
+def at_the_end(run, *names):
+    """Fields that a run wrote last, or `Cz` and `V` of its cells."""
+    last = max((p for p in run.iterdir() if (p / "p").is_file()), key=lambda p: float(p.name))
+    for function in ("writeCellCentres", "writeCellVolumes"):
+        tool(run, "postProcess", "-func", function, "-time", last.name)
+    return [results.field(last / name) for name in names]
 
 
 def fixed(folder, u0):
@@ -71,13 +81,41 @@ def fixed(folder, u0):
     prepare(case, run, {"u0": f"{u0}", "height": f"{HEIGHT}", "cellsHeight": f"{CELLS}", "deltaT": f"{step}",
                         "endTime": f"{40 * step}", "writeInterval": f"{40 * step}"}, overwrite=True)
     run_case(run)
-    last = max((p for p in run.iterdir() if (p / "p").is_file()), key=lambda p: float(p.name))
-    for function in ("writeCellCentres", "writeCellVolumes"):
-        tool(run, "postProcess", "-func", function, "-time", last.name)
-    p, z, V, voidage = (results.field(last / name) for name in ("p", "Cz", "V", "voidage"))
+    p, z, V, voidage = at_the_end(run, "p", "Cz", "V", "voidage")
     middle = (z > 0.2 * HEIGHT) & (z < 0.8 * HEIGHT)
     slope = np.polyfit(z[middle], p[middle], 1, w=np.sqrt(V[middle]))[0]
     return -slope, np.average(voidage[middle], weights=V[middle]), results.bed(run)
+
+
+def fluidised(folder, settings):
+    """@return folders of runs of examples/cylinder_bed that write what floor and wall carry"""
+    case = folder / "case"
+    shutil.rmtree(case, ignore_errors=True)
+    shutil.copytree(CASE, case)
+    script = case / "DEM/in.bed"
+    campaign.edit(script, r"mesh/surface file", "mesh/surface/stress file")
+    campaign.edit(script, r"^fix +zlow .*", r"\g<0> store_force yes")
+    campaign.edit(script, r"^thermo .*", "compute floor all reduce sum f_force_zlow[3]\nfix carried all ave/time "
+                  f"1 {AVERAGED} {AVERAGED} c_floor f_surface[3] file DEM/post/carried${{resume}}.txt\n\\g<0>")
+    campaign.edit(case / "constant/couplingProperties", r"^kernelWidth", "bedInterval 1;\n\\g<0>")
+    return campaign.run_all(case, folder, settings)
+
+
+def balance(run, start, end):
+    """Means from `start` to `end` [s], over the weight of the particles: pressure drop and its standard error, what floor and wall
+    carry, weight of the gas at the end, what the particles gain of momentum."""
+    scene = Run(run)
+    drop, error = campaign.mean(scene.bed, "pressure_drop_Pa", start, end)
+    lines = np.vstack([np.loadtxt(file) for file in sorted((run / "DEM/post").glob("carried?.txt"))])
+    time = lines[:, 0] * float(scene.setting["deltaTDEM"])
+    inside = (time > start) & (time <= end)
+    if abs(np.ptp(time[inside]) - (end - start)) > 0.02 * (end - start):
+        sys.exit(f"hotbed: {run}/DEM/post/carried*.txt does not reach from {start:g} to {end:g} s: remove {run} and run again")
+    floor, wall = lines[inside, 1:].mean(axis=0) / scene.area
+    rise = np.interp([start, end], scene.bed["time_s"], np.gradient(scene.bed["z_mean_m"], scene.bed["time_s"]))
+    mass, V = at_the_end(run, "gasMass", "V")
+    gas = mass @ V * GRAVITY / scene.area
+    return *(np.array([drop, error, floor, wall, gas]) / scene.weight()), np.diff(rise)[0] / (end - start) / GRAVITY
 
 
 def main():
@@ -93,16 +131,17 @@ def main():
                         abs(value / gradient(1 - SOLIDS, u0) - 1), 1e-2, f"{value:.5g} Pa/m")
             figures.add(f"fixed bed, u0 = {u0} m/s: voidage of its middle, off", abs(voidage - 1 + SOLIDS), 2e-3)
             conservation(figures, f"fixed bed, u0 = {u0} m/s", bed, 1e-9)
-    fluidised = [{"l": "2.5", "u0": "0.15", "endTime": "0.8"}] if options.quick else [
+    beds = [{"l": "2.5", "u0": "0.15", "endTime": "0.8"}] if options.quick else [
         {"l": l, "u0": u0, "endTime": "1"} for l, u0 in (("2.5", "0.15"), ("2.5", "0.2"), ("2", "0.15"))]
     softer = {"kn": "50", "deltaTDEM": "6.25e-6"}
-    for run in campaign.run_all(CASE, folder, [{**settings, **softer} for settings in fluidised]):
+    for run in fluidised(folder, [{**settings, **softer} for settings in beds]):
         scene = Run(run)
         end = scene.bed["time_s"][-1]
-        drop, error = campaign.mean(scene.bed, "pressure_drop_Pa", end - WINDOW, end)
+        drop, error, floor, wall, gas, gained = balance(run, end - WINDOW, end)
         label = f"fluidised, l = {scene.l:g}, u0 = {scene.u0:g} m/s"
-        figures.add(f"{label}: pressure drop from {end - WINDOW:.3g} to {end:.3g} s against the weight",
-                    abs(drop / scene.weight() - 1), 0.03, f"{drop:.1f} +- {error:.1f} Pa, weight {scene.weight():.1f} Pa")
+        figures.add(f"{label}: pressure drop, floor and wall less weight and momentum, {end - WINDOW:.3g} to {end:.3g} s, of the weight",
+                    abs(drop + floor + wall - 1 - gas - gained), 0.005,
+                    f"{drop:.2%} +- {error:.2%}, {floor:.2%}, {wall:.2%} less 100 % + {gas:.2%}, {gained:.2%}")
         figures.add(f"{label}: particles lost", np.ptp(scene.bed["particles"]), 0)
         conservation(figures, label, scene.bed, 1e-8)
     sys.exit(figures.close())
