@@ -12,9 +12,8 @@ SETTLING = ((6000, 1.4), (46000, 1.8))
 BUBBLES = 10
 # Largest share of the particles over the mean of the ranks that goes without advice: the others wait a fifth of the DEM's time.
 UNEVEN = 1.25
-# Coarse particles across a column from which on a gently bubbling bed cools as the original: with 8 it cools 1.7 % too fast, with 10
-# within the scatter, with 16 within 0.5 % (docs/paper.md, mean temperature).
-ACROSS = 10
+# The fewest coarse particles across a column whose cooling has been compared with the original's (docs/paper.md, mean temperature).
+ACROSS = 8
 
 
 @dataclass
@@ -250,8 +249,8 @@ def column(facts):
     if across > 0.999 * ACROSS:
         yield Row("column", OK, text)
     else:
-        yield Row("column", ADVICE, f"{text}: friction of fewer than {ACROSS} holds a bed together that hardly bubbles, it mixes less than "
-                  f"the original; set l to at most {max(across * ratio / ACROSS, 1):.3g}, or compare with a smaller one")
+        yield Row("column", ADVICE, f"{text}: fewer than {ACROSS} mix less than the original, how much has not been measured; set l to at "
+                  f"most {max(across * ratio / ACROSS, 1):.3g}, or compare with a smaller one")
 
 
 def gravity(facts):

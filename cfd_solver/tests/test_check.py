@@ -137,11 +137,11 @@ class Check(CoupledTest):
         self.assertEqual(advised(kernelWidth=5), {"kernel", "column"})
 
     def test_room_for_coarse_particles(self):
-        for l, level in ((2, check.OK), (2.5, check.ADVICE)):
+        for l, level in ((2.5, check.OK), (4, check.ADVICE)):
             row = table(SLIM_BED, l=l)[1]["column"]  # 10 mm deep
             self.assertEqual(row.level, level, row)
             self.assertIn(f"10 mm across, {20 / l:g} coarse particles", row.text)
-        self.assertIn("set l to at most 2,", row.text)
+        self.assertIn("set l to at most 2.5,", row.text)
 
     def test_the_command(self):
         def command(case, *words):

@@ -88,8 +88,8 @@ class New(CoupledTest):
             options = new.parser().parse_args(["bed", "--u0", "0.2", *words(values)])
             return new.design(options)["l"]
 
-        for size, l in (([0.02, 0.01, 0.1], 1.5), ([0.04, 0.025, 0.2], 3), ([0.2, 0.005, 0.2], 1), ([0.2, 0.01, 0.2], 2),
-                        ([0.2, 0.004, 0.2], 1)):  # the last three: no fewer than ten particles across, if the original has them
+        for size, l in (([0.02, 0.01, 0.1], 1.5), ([0.04, 0.025, 0.2], 3), ([0.2, 0.005, 0.2], 1), ([0.2, 0.01, 0.2], 2.5),
+                        ([0.2, 0.004, 0.2], 1)):  # the last three: no fewer than eight particles across, if the original has them
             with self.subTest(size):
                 self.assertEqual(ratio(size=size), l)
 
