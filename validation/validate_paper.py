@@ -46,14 +46,11 @@ NUDGES = (1, 1 + 1e-6, 1 - 1e-6, 1 + 2e-6, 1 - 2e-6)  # of the velocity, for rep
 
 
 def repeats(bed, l, u0):
-    """How often a run is made. Fine beds take long: of the finest, that where the others differ most from it."""
+    """How often a run is made. Fine beds take long; those that bubble least scatter most."""
     if bed == "fluidized_bed":
         return 1
-    if (bed, u0) == ("slim_bed", "0.14") and l in ("1", "2.5"):
-        return 3 if l == "1" else 5
-    if l == "2.5":
-        return 3
-    return 2 if l == "2" else 1
+    often = {"1": 3, "2": 5, "2.5": 5} if (bed, u0) == ("slim_bed", "0.14") else {"2": 2, "2.5": 3}
+    return often.get(l, 1)
 
 
 def cooling_time(case, setting, u0):
