@@ -21,8 +21,8 @@ LOW = [("DEM/in.bed", r"^variable +c equal .*", "variable c equal 1.001*${d}")] 
 class MeshWall(SlimBedTest):
     def landed(self, name, edits, ranks=1):
         """@return particles after they have met the floor, by their places at the start"""
-        target = self.scene(name, ranks, TIGHT + DUMP + LOW + edits, l="2.5", height="0.05", cellsHeight="40", maxDeltaT="2.5e-5",
-                            endTime="0.003", writeInterval="0.003")
+        target = self.scene(name, ranks, TIGHT + DUMP + LOW + edits, l="2.5", wallSetback="0", height="0.05", cellsHeight="40",
+                            maxDeltaT="2.5e-5", endTime="0.003", writeInterval="0.003")
         (target / "DEM/floor.stl").write_text(FLOOR)
         code, log = self.solve(target, ranks)
         self.assertEqual(code, 0, log[-2000:])
