@@ -107,6 +107,12 @@ def mean(bed, column, start, end, blocks=5):
     return np.mean(values), np.std(values, ddof=1) / np.sqrt(blocks)
 
 
+def acceleration(bed, start, end):
+    """Mean acceleration of the particles' centre of mass, upwards [m/s2]."""
+    speed = np.interp([start, end], bed["time_s"], np.gradient(bed["z_mean_m"], bed["time_s"]))
+    return (speed[1] - speed[0]) / (end - start)
+
+
 def spread(groups):
     """Standard deviation of a run from runs that differ by nothing that matters, pooled.
 

@@ -112,10 +112,9 @@ def balance(run, start, end):
     if abs(np.ptp(time[inside]) - (end - start)) > 0.02 * (end - start):
         sys.exit(f"hotbed: {run}/DEM/post/carried*.txt does not reach from {start:g} to {end:g} s: remove {run} and run again")
     floor, wall = lines[inside, 1:].mean(axis=0) / scene.area
-    rise = np.interp([start, end], scene.bed["time_s"], np.gradient(scene.bed["z_mean_m"], scene.bed["time_s"]))
     mass, V = at_the_end(run, "gasMass", "V")
     gas = mass @ V * GRAVITY / scene.area
-    return *(np.array([drop, error, floor, wall, gas]) / scene.weight()), np.diff(rise)[0] / (end - start) / GRAVITY
+    return *(np.array([drop, error, floor, wall, gas]) / scene.weight()), campaign.acceleration(scene.bed, start, end) / GRAVITY
 
 
 def main():

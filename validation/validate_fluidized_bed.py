@@ -38,8 +38,7 @@ def report(figures, run, start, plateau=True):
     else:
         figures.note(f"{case}: pressure drop from {start:.3g} to {end:.3g} s over the weight", drop / weight)
     # what the gas gave the particles beyond their weight is their momentum, and what the walls rub off
-    rise = np.interp([start, end], bed["time_s"], np.gradient(bed["z_mean_m"], bed["time_s"]))
-    force = drop - weight / GRAVITY * np.diff(rise)[0] / (end - start)
+    force = drop - weight / GRAVITY * campaign.acceleration(bed, start, end)
     figures.add(f"{case}: the same less the change of the particles' momentum", abs(force / weight - 1), 0.03,
                 f"{force:.1f} Pa, {force / weight - 1:+.1%}")
     figures.add(f"{case}: energy not accounted for, of the exchange", abs(bed["budget_error"][-1]), 1e-8)
