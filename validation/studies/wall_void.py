@@ -4,8 +4,8 @@ place is fluidised, the gas is turned off, and once the particles lie still, the
 Told for each `l`, in coarse diameters: the thickness of the layer that would have to be empty for the rest to be as full as the bed is
 one to four diameters from the wall. A minute at `l = 2.5`, a quarter of an hour at `l = 1`.
 
-    hotbed=./hotbed; $hotbed run examples/slim_bed --until 0.001   # builds
-    /usr/bin/python3 validation/studies/wall_void.py [L ...]
+    ./hotbed --version >/dev/null   # builds
+    /usr/bin/python3 validation/studies/wall_void.py [L ...]   # default 2.5 2 1.5 1
 """
 
 import shutil
