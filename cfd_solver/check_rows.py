@@ -249,7 +249,7 @@ def column(facts):
     if across > 0.999 * ACROSS:
         yield Row("column", OK, text)
     else:
-        yield Row("column", ADVICE, f"{text}: fewer than {ACROSS} mix less than the original, how much has not been measured; set l to at "
+        yield Row("column", ADVICE, f"{text}: fewer than {ACROSS} have not been compared with the original; set l to at "
                   f"most {max(across * ratio / ACROSS, 1):.3g}, or compare with a smaller one")
 
 

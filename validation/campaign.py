@@ -23,6 +23,7 @@ def edit(path, pattern, replacement):
     path.write_text(text)
 
 
+NUDGES = (1, 1 + 1e-6, 1 - 1e-6, 1 + 2e-6, 1 - 2e-6)  # of a velocity, for repeats of a run
 COMMON = ("endTime", "writeInterval")  # of all runs of a campaign
 
 

@@ -101,10 +101,10 @@ def fluidised(folder, settings):
     return campaign.run_all(case, folder, settings)
 
 
-def balance(run, start, end):
+def balance(scene, start, end):
     """Means from `start` to `end` [s], over the weight of the particles: pressure drop and its standard error, what floor and wall
     carry, weight of the gas at the end, what the particles gain of momentum."""
-    scene = Run(run)
+    run = scene.folder
     drop, error = campaign.mean(scene.bed, "pressure_drop_Pa", start, end)
     lines = np.vstack([np.loadtxt(file) for file in sorted((run / "DEM/post").glob("carried?.txt"))])
     time = lines[:, 0] * float(scene.setting["deltaTDEM"])
@@ -136,7 +136,7 @@ def main():
     for run in fluidised(folder, [{**settings, **softer} for settings in beds]):
         scene = Run(run)
         end = scene.bed["time_s"][-1]
-        drop, error, floor, wall, gas, gained = balance(run, end - WINDOW, end)
+        drop, error, floor, wall, gas, gained = balance(scene, end - WINDOW, end)
         label = f"fluidised, l = {scene.l:g}, u0 = {scene.u0:g} m/s"
         figures.add(f"{label}: pressure drop, floor and wall less weight and momentum, {end - WINDOW:.3g} to {end:.3g} s, of the weight",
                     abs(drop + floor + wall - 1 - gas - gained), 0.005,

@@ -42,7 +42,6 @@ QUICK = (1, ["2.5", "2"], ["0.2"])
 IN_PLACE = {"wallSetback": "0"}  # these beds were run before walls stood back
 WIDE = {"width": "0.04", "depth": "0.02", "cellsWidth": "32", "cellsDepth": "16", "solids": "1.25663706e-5", **IN_PLACE}
 HOT, COLD = 363.15, 293.15  # particles at the start, gas at the inlet [K]
-NUDGES = (1, 1 + 1e-6, 1 - 1e-6, 1 + 2e-6, 1 - 2e-6)  # of the velocity, for repeats
 
 
 def repeats(bed, l, u0):
@@ -141,7 +140,7 @@ def main():
     name = "paper" if slim else "paper_" + options.bed
     stem = Path("results") / (name + ("-quick" if options.quick else ""))  # of the tables
 
-    plan = [(l, u0, nudge) for repeat, nudge in enumerate(NUDGES) for l, u0 in itertools.product(ratios, velocities)
+    plan = [(l, u0, nudge) for repeat, nudge in enumerate(campaign.NUDGES) for l, u0 in itertools.product(ratios, velocities)
             if repeat < repeats(options.bed, l, u0)]
     settings = [{"l": l, "u0": f"{float(u0) * nudge:.9g}", "endTime": f"{end:g}", "writeInterval": "0.1"} for l, u0, nudge in plan]
     if options.figures is None:

@@ -13,8 +13,8 @@ CASE = ROOT / "examples" / "slim_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import campaign
 import results
+from run import read_settings
 from validate_fluidized_bed import report
-from validate_paper import NUDGES
 
 
 def main():
@@ -25,9 +25,10 @@ def main():
     folder = Path("results") / "slim_bed" / ("validate-quick" if options.quick else "validate")
     ratios, end, start = (("2.5", "2"), 0.25, 0.1) if options.quick else (("2.5", "2", "1.5"), 1.5, 0.2)
     often = {l: 1 if options.quick or l == "1.5" else 3 for l in ratios}  # beds are chaotic: repeats tell how far two may differ
-    plan = [(l, nudge) for nudge in range(3) for l in ratios if nudge < often[l]]
-    folders = campaign.run_all(CASE, folder, [{"l": l, **({"u0": f"{0.2 * NUDGES[nudge]:.9g}"} if nudge else {}), "endTime": f"{end}",
-                                               "writeInterval": "0.05"} for l, nudge in plan])
+    plan = [(l, nudge) for repeat, nudge in enumerate(campaign.NUDGES) for l in ratios if repeat < often[l]]
+    u0 = float(read_settings(CASE / "settings")["u0"])
+    folders = campaign.run_all(CASE, folder, [{"l": l, "u0": f"{u0 * nudge:.9g}", "endTime": f"{end}", "writeInterval": "0.05"}
+                                              for l, nudge in plan])
     runs = {l: [run for run, (ratio, _) in zip(folders, plan) if ratio == l] for l in ratios}
     for first, *_ in runs.values():
         report(figures, first, start, plateau=not options.quick)
