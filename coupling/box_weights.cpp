@@ -153,7 +153,7 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
         for (int i = 0; i < group; ++i) inverse[i] = 1.0 / n[i];
         int most[3];
         std::fill_n(within, group, 1.0);
-        std::fill_n(masses, group, 0.0);
+        std::fill_n(masses, group, 1.0);
         for (int a = 0; a < 3; ++a)
         {
             most[a] = reach(axis[a], n, along[a]);
@@ -179,17 +179,16 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
         }
         if (inside)
         {
+            // two loops: in one, compilers divide by both sides of a choice, also by zero, and OpenFOAM traps that
             for (int i = 0; i < some; ++i)
             {
-                masses[i] += mass[begin + i];
-                centre[begin + i] = within[i] += centre[begin + i];
-                inside[begin + i] = isInside(masses[i], within[i]);
+                const double total = masses[i] + mass[begin + i];
+                const bool in = isInside(total, centre[begin + i] += within[i]);
+                inside[begin + i] = in;
+                within[i] = in ? 1.0 : 0.0;
+                masses[i] = in ? total : 1.0;
             }
-            for (int i = 0; i < group; ++i)
-            {
-                const double in = isInside(masses[i], within[i]) ? 1.0 : 0.0;
-                masses[i] = in / (in > 0.0 ? masses[i] : 1.0); // OpenFOAM traps a division by zero
-            }
+            for (int i = 0; i < group; ++i) masses[i] = within[i] / masses[i];
             std::copy_n(masses, some, mass + begin);
             for (int r = 0; r < group; r += lanes, to += end * lanes)
                 for (int k = 0; k < most[0]; ++k)
