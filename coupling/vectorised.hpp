@@ -3,7 +3,9 @@
 #include <cfenv>
 
 /// Before a function: one version of its loops for each generation of processors, chosen when the program starts.
+#ifndef HOTBED_VECTORISED // as in tests of a single version
 #define HOTBED_VECTORISED __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4"), flatten))
+#endif
 
 namespace hotbed
 {

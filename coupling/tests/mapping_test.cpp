@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <cmath>
 #include <random>
 
@@ -211,6 +212,7 @@ TEST(Mapping, KernelWiderThanTheDomainStillSumsToOne)
 int main(int argc, char** argv)
 {
     MPI_Init(&argc, &argv);
+    feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW); // as OpenFOAM does
     ::testing::InitGoogleTest(&argc, argv);
     if (rank() != 0) // one report is enough; a failure elsewhere still sets the exit status
         delete ::testing::UnitTest::GetInstance()->listeners().Release(
