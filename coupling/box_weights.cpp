@@ -15,9 +15,59 @@ namespace
 
 constexpr int group = BoxWeights::group, lanes = BoxWeights::lanes;
 
-/// values of `lanes` particles, in registers
-using Lanes = double __attribute__((vector_size(lanes * sizeof(double)), may_alias));
-using Counts = int __attribute__((vector_size(lanes * sizeof(int)), may_alias));
+/// The values of a particle or a cell.
+using Values2 = double __attribute__((vector_size(16), aligned(8), may_alias));
+using Values4 = Row4;
+using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
+
+/// values in two or three registers
+struct Pair
+{
+    Values4 low, high;
+};
+
+struct Triple
+{
+    Pair low;
+    Values4 high;
+};
+
+struct WideTriple
+{
+    Values8 low;
+    Values4 high;
+};
+
+template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
+{
+    sum.low += values.low;
+    sum.high += values.high;
+    return sum;
+}
+
+template <class Values, class = decltype(Values::low)> inline Values operator*(double factor, const Values& values)
+{
+    return {factor * values.low, factor * values.high};
+}
+
+/// Processors with registers of four numbers. Those of eight are not just two of them: compilers put what does not fit
+/// into memory, after every operation.
+struct Narrow
+{
+    using Lanes = double __attribute__((vector_size(32), may_alias)); ///< values of particles that lie side by side
+    using Counts = int __attribute__((vector_size(16), may_alias));
+    using Eight = Pair;
+    using Twelve = Triple;
+};
+
+/// Processors with registers of eight numbers
+struct Wide
+{
+    using Lanes = double __attribute__((vector_size(64), may_alias));
+    using Counts = int __attribute__((vector_size(32), may_alias));
+    using Eight = Values8;
+    using Twelve = WideTriple;
+};
 
 /// A group of particles along one axis.
 struct AxisGroup
@@ -61,8 +111,11 @@ inline int reach(const BoxAxis& axis, const double* halfWidth, AxisGroup& g)
 
 /// The faces of intervals from some on, as particles see them: (face + shift) * scale. Those behind the last one are
 /// where that is, so that no mass lies between them.
-class Faces
+template <class Registers> class Faces
 {
+    using Lanes = typename Registers::Lanes;
+    using Counts = typename Registers::Counts;
+
 public:
     Faces(const BoxAxis& axis, Counts first, Lanes shift, Lanes scale)
         : axis_(axis), first_(first), shift_(shift), scale_(scale)
@@ -80,7 +133,8 @@ public:
             return x < end_ ? x : end_;
         }
         Lanes x;
-        for (int i = 0; i < lanes; ++i) x[i] = axis_.face[std::min(std::size_t(first_[i] + k), axis_.face.size() - 1)];
+        for (std::size_t i = 0; i < sizeof(Lanes) / sizeof(double); ++i)
+            x[i] = axis_.face[std::min(std::size_t(first_[i] + k), axis_.face.size() - 1)];
         return (x + shift_) * scale_;
     }
 
@@ -91,16 +145,19 @@ private:
 };
 
 /// Sets the masses between faces, or adds to them.
-/// @param mass  [most]
+/// @param mass  [most][lanes], of the first particle
 /// @return their sums
-template <bool add> inline Lanes putMasses(const Faces& face, int most, Lanes* mass)
+template <bool add, class Registers>
+inline typename Registers::Lanes putMasses(const Faces<Registers>& face, int most, double* mass)
 {
+    using Lanes = typename Registers::Lanes;
     const Lanes begin = deenMassBelow(face[0]);
     Lanes lower = begin;
-    for (int k = 0; k < most; ++k)
+    for (int k = 0; k < most; ++k, mass += lanes)
     {
         const Lanes upper = deenMassBelow(face[k + 1]);
-        mass[k] = add ? mass[k] + (upper - lower) : upper - lower;
+        auto& to = *reinterpret_cast<Lanes*>(mass);
+        to = add ? to + (upper - lower) : upper - lower;
         lower = upper;
     }
     return lower - begin;
@@ -109,29 +166,35 @@ template <bool add> inline Lanes putMasses(const Faces& face, int most, Lanes* m
 /// Masses along one axis.
 /// @param inverse  of the half widths
 /// @param mass     of the first particles in the first interval
-/// @param stride   from their masses to those of the next in a register
+/// @param stride   from their masses to those of the next `lanes` ones
+template <class Registers>
 inline void putAllMasses(const BoxAxis& axis, const double* inverse, int most, AxisGroup& g, double* mass, int stride)
 {
-    for (int r = 0; r < group; r += lanes, mass += stride)
+    using Lanes = typename Registers::Lanes;
+    constexpr int width = sizeof(Lanes) / sizeof(double);
+    for (int r = 0; r < group; r += width)
     {
         const Lanes x = *reinterpret_cast<const Lanes*>(g.x + r), scale = *reinterpret_cast<const Lanes*>(inverse + r);
-        const Counts first = *reinterpret_cast<const Counts*>(g.first + r);
-        auto* to = reinterpret_cast<Lanes*>(mass);
-        Lanes total = putMasses<false>(Faces(axis, first, -x, scale), most, to);
+        const auto first = *reinterpret_cast<const typename Registers::Counts*>(g.first + r);
+        double* to = mass + r / lanes * stride + r % lanes;
+        Lanes total = putMasses<false>(Faces<Registers>(axis, first, -x, scale), most, to);
         std::uint64_t beyond = 0;
-        if (axis.folded) std::memcpy(&beyond, g.beyond + r, lanes);
+        if (axis.folded) std::memcpy(&beyond, g.beyond + r, width);
         for (int side = 0; beyond && side < 2; ++side)
             if (beyond & (0x0101010101010101u << side)) // and back into the domain
-                total += putMasses<true>(Faces(axis, first, x - 2.0 * axis.wall[std::size_t(side)], scale), most, to);
+                total += putMasses<true>(Faces<Registers>(axis, first, x - 2.0 * axis.wall[std::size_t(side)], scale),
+                                         most, to);
         *reinterpret_cast<Lanes*>(g.total + r) = total;
     }
 }
 
 /// @param inside  null: `append`; else `appendShares`, with what is elsewhere in `mass` and `centre`
-HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
-                                 const double* halfWidth, BoxWeights& weights, double* mass, double* centre,
-                                 char* inside)
+template <class Registers>
+inline void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
+                      const double* halfWidth, BoxWeights& weights, double* mass, double* centre, char* inside)
 {
+    using Lanes = typename Registers::Lanes;
+    constexpr int width = sizeof(Lanes) / sizeof(double);
     if (weights.particles % group != 0)
         throw std::logic_error("box weights: more particles after a group that is not full");
     BoxWeights::Particle* p = weights.room(count);
@@ -164,7 +227,7 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
         const int y = most[0], z = y + most[1], end = z + most[2], begins[3] = {0, y, z};
         double* to = weights.room({0, y, z, end});
         for (int a = 0; a < 3; ++a)
-            putAllMasses(axis[a], inverse, most[a], along[a], to + begins[a] * lanes, end * lanes);
+            putAllMasses<Registers>(axis[a], inverse, most[a], along[a], to + begins[a] * lanes, end * lanes);
         const int row = weights.nx, layer = weights.nxy;
 #pragma omp simd
         for (int i = 0; i < some; ++i)
@@ -190,14 +253,28 @@ HOTBED_VECTORISED void appendAll(const std::array<BoxAxis, 3>& axis, int count, 
             }
             for (int i = 0; i < group; ++i) masses[i] = within[i] / masses[i];
             std::copy_n(masses, some, mass + begin);
-            for (int r = 0; r < group; r += lanes, to += end * lanes)
+            for (int r = 0; r < group; r += width)
                 for (int k = 0; k < most[0]; ++k)
-                    reinterpret_cast<Lanes*>(to)[k] *= *reinterpret_cast<const Lanes*>(masses + r);
+                    *reinterpret_cast<Lanes*>(to + (r / lanes * end + k) * lanes + r % lanes) *=
+                        *reinterpret_cast<const Lanes*>(masses + r);
             continue;
         }
         std::copy_n(masses, some, mass + begin);
         std::copy_n(within, some, centre + begin);
     }
+}
+
+HOTBED_NARROW void appendNarrow(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
+                                const double* halfWidth, BoxWeights& weights, double* mass, double* centre,
+                                char* inside)
+{
+    appendAll<Narrow>(axis, count, position, halfWidth, weights, mass, centre, inside);
+}
+
+HOTBED_WIDE void appendWide(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
+                            const double* halfWidth, BoxWeights& weights, double* mass, double* centre, char* inside)
+{
+    appendAll<Wide>(axis, count, position, halfWidth, weights, mass, centre, inside);
 }
 
 /// where each slot's number is its cell's
@@ -256,49 +333,24 @@ template <class Slots, class Work> inline void withCounts(const BoxWeights::Part
     work(p.count[0], p.count[1]);
 }
 
-/// the values of a particle or a cell, as one register where the processor has such
-using Values1 = double;
-using Values2 = double __attribute__((vector_size(16), aligned(8), may_alias));
-using Values4 = Row4;
-using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
-
-/// two registers
-struct Values12
-{
-    Values8 low;
-    Values4 high;
-};
-
-template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
-{
-    sum.low += values.low;
-    sum.high += values.high;
-    return sum;
-}
-
-template <class Values, class = decltype(Values::low)> inline Values operator*(double factor, const Values& values)
-{
-    return {factor * values.low, factor * values.high};
-}
-
-template <class Values, class Slots>
+template <class Value, class Slots>
 inline void interpolateFields(const BoxWeights& weights, Slots slots, int first, int count, const double* cells,
                               double* result)
 {
-    const auto* values = reinterpret_cast<const Values*>(cells);
+    const auto* values = reinterpret_cast<const Value*>(cells);
     const int row = weights.nx, layer = weights.nxy;
     const auto of = [&](const BoxWeights::Particle& p, const Product& w)
     {
         withCounts<Slots>(p,
                           [&](auto nx, auto ny)
                           {
-                              Values sum = {};
+                              Value sum = {};
                               for (int k = 0, slot = p.slot; k < p.count[2]; ++k, slot += layer)
                               {
-                                  Values plane = {};
+                                  Value plane = {};
                                   for (int j = 0; j < ny; ++j)
                                   {
-                                      Values line = {};
+                                      Value line = {};
                                       for (int i = 0; i < nx; ++i)
                                       {
                                           const int cell = slots.cell(slot + j * row + i);
@@ -308,31 +360,31 @@ inline void interpolateFields(const BoxWeights& weights, Slots slots, int first,
                                   }
                                   sum += w.z[k * lanes] * plane;
                               }
-                              *reinterpret_cast<Values*>(result) = sum;
+                              *reinterpret_cast<Value*>(result) = sum;
                           });
-        result += sizeof(Values) / sizeof(double);
+        result += sizeof(Value) / sizeof(double);
     };
     forEach(weights, first, count, of);
 }
 
-template <class Values, class Slots>
+template <class Value, class Slots>
 inline void depositFields(const BoxWeights& weights, Slots slots, int first, int count, const double* particles,
                           double* cells)
 {
-    auto* sums = reinterpret_cast<Values*>(cells);
+    auto* sums = reinterpret_cast<Value*>(cells);
     const int row = weights.nx, layer = weights.nxy;
     const auto of = [&](const BoxWeights::Particle& p, const Product& w)
     {
-        const Values value = *reinterpret_cast<const Values*>(particles);
+        const Value value = *reinterpret_cast<const Value*>(particles);
         withCounts<Slots>(p,
                           [&](auto nx, auto ny)
                           {
                               for (int k = 0, slot = p.slot; k < p.count[2]; ++k, slot += layer)
                               {
-                                  const Values plane = w.z[k * lanes] * value;
+                                  const Value plane = w.z[k * lanes] * value;
                                   for (int j = 0; j < ny; ++j)
                                   {
-                                      const Values line = w.y[j * lanes] * plane;
+                                      const Value line = w.y[j * lanes] * plane;
                                       for (int i = 0; i < nx; ++i)
                                       {
                                           const int cell = slots.cell(slot + j * row + i);
@@ -341,7 +393,7 @@ inline void depositFields(const BoxWeights& weights, Slots slots, int first, int
                                   }
                               }
                           });
-        particles += sizeof(Values) / sizeof(double);
+        particles += sizeof(Value) / sizeof(double);
     };
     forEach(weights, first, count, of);
 }
@@ -373,13 +425,13 @@ void BoxWeights::clear()
 void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
                         const double* halfWidth, double* mass, double* centre)
 {
-    appendAll(axis, count, position, halfWidth, *this, mass, centre, nullptr);
+    (wideRegisters() ? appendWide : appendNarrow)(axis, count, position, halfWidth, *this, mass, centre, nullptr);
 }
 
 void BoxWeights::appendShares(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
                               const double* halfWidth, double* mass, double* centre, char* inside)
 {
-    appendAll(axis, count, position, halfWidth, *this, mass, centre, inside);
+    (wideRegisters() ? appendWide : appendNarrow)(axis, count, position, halfWidth, *this, mass, centre, inside);
 }
 
 BoxWeights::Particle* BoxWeights::room(int more)
@@ -432,39 +484,75 @@ double BoxWeights::mass(int which) const
 namespace
 {
 
-/// work(values, slots), their types chosen by the number of fields and by whether slots and cells have the same numbers
-template <class Work> inline void choose(int fields, const BoxWeights& weights, Work&& work)
+/// work(value, slots), their types chosen by the number of fields and by whether slots and cells have the same numbers
+template <class Registers, class Work> inline void choose(int fields, const BoxWeights& weights, Work&& work)
 {
-    const auto withSlots = [&](auto values)
+    const auto withSlots = [&](auto value)
     {
         if (weights.cellOf)
-            work(values, SomeSlots{weights.cellOf});
+            work(value, SomeSlots{weights.cellOf});
         else
-            work(values, AllSlots{});
+            work(value, AllSlots{});
     };
-    if (fields == 1) return withSlots(Values1{});
+    if (fields == 1) return withSlots(double{});
     if (fields == 2) return withSlots(Values2{});
-    if (fields == 8) return withSlots(Values8{});
-    if (fields == 12) return withSlots(Values12{});
+    if (fields == 8) return withSlots(typename Registers::Eight{});
+    if (fields == 12) return withSlots(typename Registers::Twelve{});
     throw std::invalid_argument("interpolate, deposit: 1, 2, 8 or 12 fields at a time");
+}
+
+template <class Registers>
+inline void interpolateAll(int fields, const BoxWeights& weights, int first, int count, const double* cells,
+                           double* result)
+{
+    choose<Registers>(fields, weights,
+                      [&](auto value, auto slots)
+                      { interpolateFields<decltype(value)>(weights, slots, first, count, cells, result); });
+}
+
+template <class Registers>
+inline void depositAll(int fields, const BoxWeights& weights, int first, int count, const double* particles,
+                       double* cells)
+{
+    choose<Registers>(fields, weights,
+                      [&](auto value, auto slots)
+                      { depositFields<decltype(value)>(weights, slots, first, count, particles, cells); });
+}
+
+HOTBED_NARROW void interpolateNarrow(int fields, const BoxWeights& weights, int first, int count, const double* cells,
+                                     double* result)
+{
+    interpolateAll<Narrow>(fields, weights, first, count, cells, result);
+}
+
+HOTBED_WIDE void interpolateWide(int fields, const BoxWeights& weights, int first, int count, const double* cells,
+                                 double* result)
+{
+    interpolateAll<Wide>(fields, weights, first, count, cells, result);
+}
+
+HOTBED_NARROW void depositNarrow(int fields, const BoxWeights& weights, int first, int count, const double* particles,
+                                 double* cells)
+{
+    depositAll<Narrow>(fields, weights, first, count, particles, cells);
+}
+
+HOTBED_WIDE void depositWide(int fields, const BoxWeights& weights, int first, int count, const double* particles,
+                             double* cells)
+{
+    depositAll<Wide>(fields, weights, first, count, particles, cells);
 }
 
 } // namespace
 
-HOTBED_VECTORISED void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells,
-                                   double* result)
+void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells, double* result)
 {
-    choose(fields, weights,
-           [&](auto values, auto slots)
-           { interpolateFields<decltype(values)>(weights, slots, first, count, cells, result); });
+    (wideRegisters() ? interpolateWide : interpolateNarrow)(fields, weights, first, count, cells, result);
 }
 
-HOTBED_VECTORISED void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles,
-                               double* cells)
+void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles, double* cells)
 {
-    choose(fields, weights,
-           [&](auto values, auto slots)
-           { depositFields<decltype(values)>(weights, slots, first, count, particles, cells); });
+    (wideRegisters() ? depositWide : depositNarrow)(fields, weights, first, count, particles, cells);
 }
 
 } // namespace hotbed
