@@ -69,6 +69,25 @@ struct Wide
     using Twelve = WideTriple;
 };
 
+template <class Work> HOTBED_NARROW void withNarrow(const Work& work)
+{
+    work(Narrow{});
+}
+
+template <class Work> HOTBED_WIDE void withWide(const Work& work)
+{
+    work(Wide{});
+}
+
+/// work(Wide{}) or work(Narrow{}), compiled for the processor
+template <class Work> inline void withRegisters(const Work& work)
+{
+    if (wideRegisters())
+        withWide(work);
+    else
+        withNarrow(work);
+}
+
 /// A group of particles along one axis.
 struct AxisGroup
 {
@@ -264,19 +283,6 @@ inline void appendAll(const std::array<BoxAxis, 3>& axis, int count, const doubl
     }
 }
 
-HOTBED_NARROW void appendNarrow(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
-                                const double* halfWidth, BoxWeights& weights, double* mass, double* centre,
-                                char* inside)
-{
-    appendAll<Narrow>(axis, count, position, halfWidth, weights, mass, centre, inside);
-}
-
-HOTBED_WIDE void appendWide(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
-                            const double* halfWidth, BoxWeights& weights, double* mass, double* centre, char* inside)
-{
-    appendAll<Wide>(axis, count, position, halfWidth, weights, mass, centre, inside);
-}
-
 /// where each slot's number is its cell's
 struct AllSlots
 {
@@ -425,13 +431,14 @@ void BoxWeights::clear()
 void BoxWeights::append(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
                         const double* halfWidth, double* mass, double* centre)
 {
-    (wideRegisters() ? appendWide : appendNarrow)(axis, count, position, halfWidth, *this, mass, centre, nullptr);
+    appendShares(axis, count, position, halfWidth, mass, centre, nullptr);
 }
 
 void BoxWeights::appendShares(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
                               const double* halfWidth, double* mass, double* centre, char* inside)
 {
-    (wideRegisters() ? appendWide : appendNarrow)(axis, count, position, halfWidth, *this, mass, centre, inside);
+    withRegisters([&](auto registers)
+                  { appendAll<decltype(registers)>(axis, count, position, halfWidth, *this, mass, centre, inside); });
 }
 
 BoxWeights::Particle* BoxWeights::room(int more)
@@ -501,58 +508,30 @@ template <class Registers, class Work> inline void choose(int fields, const BoxW
     throw std::invalid_argument("interpolate, deposit: 1, 2, 8 or 12 fields at a time");
 }
 
-template <class Registers>
-inline void interpolateAll(int fields, const BoxWeights& weights, int first, int count, const double* cells,
-                           double* result)
-{
-    choose<Registers>(fields, weights,
-                      [&](auto value, auto slots)
-                      { interpolateFields<decltype(value)>(weights, slots, first, count, cells, result); });
-}
-
-template <class Registers>
-inline void depositAll(int fields, const BoxWeights& weights, int first, int count, const double* particles,
-                       double* cells)
-{
-    choose<Registers>(fields, weights,
-                      [&](auto value, auto slots)
-                      { depositFields<decltype(value)>(weights, slots, first, count, particles, cells); });
-}
-
-HOTBED_NARROW void interpolateNarrow(int fields, const BoxWeights& weights, int first, int count, const double* cells,
-                                     double* result)
-{
-    interpolateAll<Narrow>(fields, weights, first, count, cells, result);
-}
-
-HOTBED_WIDE void interpolateWide(int fields, const BoxWeights& weights, int first, int count, const double* cells,
-                                 double* result)
-{
-    interpolateAll<Wide>(fields, weights, first, count, cells, result);
-}
-
-HOTBED_NARROW void depositNarrow(int fields, const BoxWeights& weights, int first, int count, const double* particles,
-                                 double* cells)
-{
-    depositAll<Narrow>(fields, weights, first, count, particles, cells);
-}
-
-HOTBED_WIDE void depositWide(int fields, const BoxWeights& weights, int first, int count, const double* particles,
-                             double* cells)
-{
-    depositAll<Wide>(fields, weights, first, count, particles, cells);
-}
-
 } // namespace
 
 void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells, double* result)
 {
-    (wideRegisters() ? interpolateWide : interpolateNarrow)(fields, weights, first, count, cells, result);
+    withRegisters(
+        [&](auto registers)
+        {
+            choose<decltype(registers)>(
+                fields, weights,
+                [&](auto value, auto slots)
+                { interpolateFields<decltype(value)>(weights, slots, first, count, cells, result); });
+        });
 }
 
 void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles, double* cells)
 {
-    (wideRegisters() ? depositWide : depositNarrow)(fields, weights, first, count, particles, cells);
+    withRegisters(
+        [&](auto registers)
+        {
+            choose<decltype(registers)>(
+                fields, weights,
+                [&](auto value, auto slots)
+                { depositFields<decltype(value)>(weights, slots, first, count, particles, cells); });
+        });
 }
 
 } // namespace hotbed

@@ -73,7 +73,7 @@ struct BoxWeights
     /// More particles, whose weights sum to one with those that they have elsewhere.
     /// @param mass    kernel mass elsewhere; set to the factor that made the weights of it
     /// @param centre  above 0 where the centre is held elsewhere; this lattice is added
-    /// @param inside  set: whether the centre is held at all; particles outside have no weights
+    /// @param inside  set: whether the centre is held at all; particles outside have no weights; null: as `append` does
     void appendShares(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
                       const double* halfWidth, double* mass, double* centre, char* inside);
 
