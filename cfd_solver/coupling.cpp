@@ -36,21 +36,22 @@ KernelWidth kernel(const CouplingSettings& settings)
                                      : KernelWidth{settings.kernelWidth, 0.0};
 }
 
-/// whole registers, where it is more than one value
+/// whole registers, where it is more than a few values
 constexpr int padded(int fields)
 {
-    return fields == 1 ? 1 : fields <= 8 ? 8 : 12;
+    return fields <= 2 ? fields : fields <= 8 ? 8 : fields <= 12 ? 12 : 16;
 }
 
-/// Rows of what particles give (given_) to rows of what their cells sum up (cellSums_).
+/// Rows of what particles give to rows of what their cells sum up (cellSums_).
 template <bool push, bool heat>
-HOTBED_VECTORISED void fillAs(int count, const double (*__restrict position)[3], const double* __restrict given,
-                              double* __restrict sums)
+HOTBED_VECTORISED void fillAs(int count, const double (*__restrict position)[3], const double* __restrict volume,
+                              const double* __restrict given, double* __restrict sums)
 {
     constexpr int heatAt = push ? 5 : 1, givenFields = heatAt + (heat ? 4 : 0);
-    constexpr int sumFields = padded(heatAt + (heat ? 7 : 0));
+    constexpr int volumeAt = heatAt + (heat ? 7 : 0), sumFields = padded(volumeAt + 1);
     for (int k = 0; k < count; ++k, given += givenFields, sums += sumFields)
     {
+        sums[volumeAt] = volume[k];
         if (!heat)
         {
             for (int f = 0; f < heatAt; ++f) sums[f] = given[f];
@@ -64,15 +65,25 @@ HOTBED_VECTORISED void fillAs(int count, const double (*__restrict position)[3],
     }
 }
 
+void fillVolume(int count, const double (*)[3], const double* volume, const double*, double* sums)
+{
+    std::copy_n(volume, count, sums);
+}
+
 } // namespace
 
 Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing)
     : settings_(settings), mesh_(mesh), dem_(dem), gas_(gas), timing_(timing),
       heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), heatAt_(push_ ? 5 : 1),
-      givenFields_(heatAt_ + (heat_ ? 4 : 0)), sumFields_(padded(heatAt_ + (heat_ ? 7 : 0))),
-      readHeatAt_(push_ ? 6 : 0), readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), halfExtent_(mesh.nCells()),
-      mapping_(MPI_COMM_WORLD, makeCells(settings))
+      givenFields_(heatAt_ + (heat_ ? 4 : 0)), volumeAt_(heatAt_ + (heat_ ? 7 : 0)), sumFields_(padded(volumeAt_ + 1)),
+      readHeatAt_(push_ ? 6 : 0), readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), answerHeatAt_(push_ ? 2 : 1),
+      answerFields_(answerHeatAt_ + (heat_ ? 2 : 0)), halfExtent_(mesh.nCells()),
+      mapping_(MPI_COMM_WORLD, makeCells(settings)), cellSums_(std::size_t(mesh.nCells()) * sumFields_)
 {
+    dem.carry(answerFields_);
+    smallestCell_ = GREAT;
+    for (const vector& half : halfExtent_) smallestCell_ = std::min(smallestCell_, 2.0 * cmptMin(half));
+    reduce(smallestCell_, minOp<double>());
 }
 
 std::unique_ptr<const Cells> Coupling::makeCells(const CouplingSettings& settings)
@@ -107,8 +118,9 @@ void Coupling::refuseOutside() const
 {
     label outside = 0;
     label first = -1;
-    for (std::size_t i = 0; i < inside_.size(); ++i)
-        if (!inside_[i])
+    const std::vector<char>& inside = mapping_.inside();
+    for (std::size_t i = 0; i < inside.size(); ++i)
+        if (!inside[i])
         {
             if (first < 0) first = label(i);
             ++outside;
@@ -126,22 +138,37 @@ void Coupling::refuseOutside() const
                              << exit(FatalError);
 }
 
+ParticlePositions Coupling::particles() const
+{
+    return {dem_.size(), dem_.position(), dem_.radius(), kernel(settings_)};
+}
+
 void Coupling::map()
 {
     if (mapped_ && !dem_.moving()) return;
+    cellValues_.assign(mesh_.nCells(), 0.0);
+    updateWeights({0, nullptr, 1, fillVolume}, cellValues_.data());
+    setVoidage(cellValues_.data(), 1);
+}
+
+void Coupling::updateWeights(const Gift& gift, double* sums)
+{
+    const auto time = timing_.measure("weights");
+    mapping_.update(particles(), &gift, sums);
+    widest_ = returnReduce(mapping_.widest(), maxOp<double>());
+    if (!warned_ && 2.0 * widest_ > cmptMin(mesh_.bounds().span()))
     {
-        const auto time = timing_.measure("weights");
-        cellValues_.assign(mesh_.nCells(), 0.0);
-        inside_ = mapping_.update({dem_.size(), dem_.position(), dem_.radius(), kernel(settings_)}, cellValues_.data());
-        widest_ = returnReduce(mapping_.widest(), maxOp<double>());
-        if (!warned_ && 2.0 * widest_ > cmptMin(mesh_.bounds().span()))
-        {
-            warned_ = true;
-            WarningInFunction << "the kernel is " << 2.0 * widest_ << " m wide, wider than the domain "
-                              << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
-                              << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
-        }
+        warned_ = true;
+        WarningInFunction << "the kernel is " << 2.0 * widest_ << " m wide, wider than the domain "
+                          << mesh_.bounds().span() << ": set a smaller kernelWidth or windowLength in "
+                          << "constant/couplingProperties, or a smaller coarse-graining ratio" << endl;
     }
+}
+
+/// @param volumes  of the particles in the first cell [m3]
+/// @param stride   from there to that in the next one
+void Coupling::setVoidage(const double* volumes, int stride)
+{
     const auto time = timing_.measure("voidage");
     Exchange& exchange = gas_.exchange();
     for (const label c : reached_)
@@ -151,10 +178,10 @@ void Coupling::map()
     }
     reached_.clear();
     volScalarField& voidage = gas_.voidage();
-    for (label c = 0; c < mesh_.nCells(); ++c)
+    for (label c = 0; c < mesh_.nCells(); ++c, volumes += stride)
     {
-        voidage[c] = 1.0 - cellValues_[c] / mesh_.V()[c];
-        if (cellValues_[c] > 0.0) reached_.push_back(c);
+        voidage[c] = 1.0 - *volumes / mesh_.V()[c];
+        if (*volumes > 0.0) reached_.push_back(c);
     }
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
@@ -165,64 +192,64 @@ void Coupling::map()
     mapped_ = true;
 }
 
-void Coupling::particlesToGas()
+/// Whether in this gas step particles answer to the gas as the closures told for the step before (FixHotbedCarried).
+/// They read the gas, and closures are evaluated, once it or they have crossed a part of a cell since then
+/// (closureCo), or a tenth of that part of their relaxation time is over, to which drag answers at once; also where the
+/// step has another length, from which the answers follow, and for new particles. The same on any number of ranks.
+bool Coupling::keepAnswers(double courantRate)
 {
-    const auto time = timing_.measure("to gas");
-    timing_.add("to gas: closures", 0); // the table lists the same on every rank, also on one without particles
-    const scalarField& voidage = gas_.voidage();
-    const vectorField& U = gas_.U();
-    const fluidThermo& thermo = gas_.thermo();
-    const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu(), Cp = thermo.Cp();
-    const scalarField& alpha = thermo.alpha(); // kappa/Cp
+    const double dt = mesh_.time().deltaTValue();
+    double largest[3] = {fastest_ / smallestCell_, 10.0 * stiffest_, dem_.newParticles() ? 1.0 : 0.0};
+    MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    const double more = dt * std::max({courantRate, largest[0], largest[1]});
+    const bool keep = dem_.moving() && dt == answersStep_ && largest[2] == 0.0 &&
+                      sinceClosures_ + more <= settings_.closureCo;
+    sinceClosures_ = keep ? sinceClosures_ + more : more;
+    answersStep_ = dt;
+    return keep;
+}
+
+void Coupling::particlesToGas(double courantRate)
+{
     const NoTraps guard;
-    cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
-    for (const label c : reached_)
-    {
-        double* f = &cellValues_[std::size_t(c) * gasFields];
-        f[0] = voidage[c];
-        for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
-        f[4] = rho()[c];
-        f[5] = mu()[c];
-        f[6] = alpha[c] * Cp()[c];
-        f[7] = heat_ ? std::cbrt(mu()[c] / alpha[c]) : 0.0;
-    }
-    if (heat_)
-    {
-        // temperatures from a common one on: in a well mixed bed the differences that drive the heat are small
-        const int n = dem_.size();
-        const double* T = dem_.temperature();
-        int impossible = 0;
-        double sum[2] = {0.0, double(n)}, &all = sum[0];
-#pragma omp simd reduction(+ : impossible, all)
-        for (int i = 0; i < n; ++i)
-        {
-            impossible += !(T[i] > 0.0 && T[i] <= hottest);
-            all += T[i];
-        }
-        for (int i = 0; impossible && i < n; ++i)
-            if (!(T[i] > 0.0 && T[i] <= hottest))
-                FatalErrorInFunction
-                    << dem_.describe(i).c_str() << " has the temperature " << T[i]
-                    << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "
-                    << "set_property), or the heat capacity or an inlet temperature is impossible. The "
-                    << "restarts written before are whole" << exit(FatalError);
-        MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-        gas_.exchange().reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
-    }
-    given_.resize(std::size_t(dem_.size()) * givenFields_);
-    cellSums_.resize(std::size_t(mesh_.nCells()) * sumFields_);
+    const bool keep = keepAnswers(courantRate);
     for (const label c : reached_) std::fill_n(&cellSums_[std::size_t(c) * sumFields_], sumFields_, 0.0);
-    mapping_.answer(
-        gasFields, cellValues_.data(),
-        [this](int first, int count, const double* gas)
-        {
-            const auto time = timing_.measure("to gas: closures");
-            closures(first, count, gas);
-        },
-        dem_.position(), givenFields_, given_.data(),
-        [this](int count, const double(*position)[3], const double* given, double* sums)
-        { fill(count, position, given, sums); },
-        sumFields_, cellSums_.data());
+    if (heat_) setReference();
+    timing_.add("to gas: closures", 0); // the table lists the same on every rank, also on one without particles
+    const Gift gift = {givenFields_,
+                       [&](int first, int count, double* given)
+                       {
+                           if (keep) forgetOutside(first, count);
+                           give(first, count, given);
+                       },
+                       sumFields_,
+                       push_ && heat_ ? fillAs<true, true>
+                       : push_        ? fillAs<true, false>
+                       : heat_        ? fillAs<false, true>
+                                      : fillAs<false, false>};
+    if (keep) // without a look at the gas, so at once
+    {
+        updateWeights(gift, cellSums_.data());
+        setVoidage(&cellSums_[std::size_t(volumeAt_)], sumFields_);
+    }
+    else
+        map();
+    const auto time = timing_.measure("to gas");
+    const tmp<volScalarField> Cp = gas_.thermo().Cp();
+    if (!keep)
+    {
+        ++evaluations_;
+        gasInCells(Cp());
+        fastest_ = stiffest_ = 0.0;
+        mapping_.answer(
+            gasFields, cellValues_.data(),
+            [this](int first, int count, const double* gas)
+            {
+                const auto time = timing_.measure("to gas: closures");
+                closures(first, count, gas);
+            },
+            particles(), gift, cellSums_.data());
+    }
     if (heat_)
     {
         temperatureBefore_ = gas_.T().primitiveField();
@@ -237,17 +264,66 @@ void Coupling::particlesToGas()
         });
 }
 
-/// What particles add to the sums of their cells, from what they give.
-void Coupling::fill(int count, const double (*position)[3], const double* given, double* sums) const
+/// Temperatures from a common one on: in a well mixed bed the differences that drive the heat are small.
+void Coupling::setReference()
 {
-    if (push_ && heat_)
-        fillAs<true, true>(count, position, given, sums);
-    else if (push_)
-        fillAs<true, false>(count, position, given, sums);
-    else if (heat_)
-        fillAs<false, true>(count, position, given, sums);
+    const int n = dem_.size();
+    const double* T = dem_.temperature();
+    int impossible = 0;
+    double sum[2] = {0.0, double(n)}, &all = sum[0];
+#pragma omp simd reduction(+ : impossible, all)
+    for (int i = 0; i < n; ++i)
+    {
+        impossible += !(T[i] > 0.0 && T[i] <= hottest);
+        all += T[i];
+    }
+    for (int i = 0; impossible && i < n; ++i)
+        if (!(T[i] > 0.0 && T[i] <= hottest))
+            FatalErrorInFunction << dem_.describe(i).c_str() << " has the temperature " << T[i]
+                                 << " K. Likely the DEM script gives it (initial_temperature of fix hotbed/heat, set, "
+                                 << "set_property), or the heat capacity or an inlet temperature is impossible. The "
+                                 << "restarts written before are whole" << exit(FatalError);
+    MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+    gas_.exchange().reference = sum[1] > 0.0 ? sum[0] / sum[1] : 0.0;
+}
+
+/// Particles that have left the mesh do not answer any more.
+void Coupling::forgetOutside(int first, int count)
+{
+    const char* inside = mapping_.inside().data();
+    for (int i = first; i < first + count; ++i)
+        if (!inside[i]) std::fill_n(answers(i), answerFields_, 0.0);
+}
+
+/// What particles give in this step. @param given  [count][givenFields_]
+void Coupling::give(int first, int count, double* given) const
+{
+    if (push_)
+        giveMomentum(first, count, given);
     else
-        std::copy_n(given, count, sums);
+        for (int k = 0; k < count; ++k) given[std::size_t(k) * givenFields_] = answers(first + k)[0];
+    if (heat_) giveHeat(first, count, given + heatAt_);
+}
+
+/// What particles read of the gas, by cell.
+void Coupling::gasInCells(const scalarField& Cp)
+{
+    const scalarField& voidage = gas_.voidage();
+    const vectorField& U = gas_.U();
+    const fluidThermo& thermo = gas_.thermo();
+    const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu();
+    const scalarField& alpha = thermo.alpha(); // kappa/Cp
+    cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
+    for (const label c : reached_)
+    {
+        double* f = &cellValues_[std::size_t(c) * gasFields];
+        f[0] = voidage[c];
+        for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
+        f[4] = rho()[c];
+        f[5] = mu()[c];
+        f[6] = alpha[c] * Cp[c];
+        f[7] = heat_ ? std::cbrt(mu()[c] / alpha[c]) : 0.0;
+    }
 }
 
 HOTBED_VECTORISED void Coupling::closures(int first, int count, const double* gas)
@@ -263,10 +339,14 @@ void Coupling::closuresOf(int first, int count, const double* gas)
     const double l = dem_.ratio();
     const double* radius = dem_.radius() + first;
     const double(*v)[3] = dem_.velocity() + first;
-    const char* inside = inside_.data() + first;
+    const char* inside = mapping_.inside().data() + first;
     const double original = 2.0 / l; // diameter over the coarse radius
+    double fastest = fastest_ * fastest_;
+#pragma omp simd reduction(max : fastest)
     for (int k = 0; k < count; ++k)
     {
+        const double square = v[k][0] * v[k][0] + v[k][1] * v[k][1] + v[k][2] * v[k][2];
+        fastest = square > fastest ? square : fastest;
         const double* g = gas + k * gasFields;
         const double slip[3] = {g[1] - v[k][0], g[2] - v[k][1], g[3] - v[k][2]};
         here[k] = inside[k] ? 1.0 : 0.0; // else it has left the mesh: any numbers, it exchanges nothing
@@ -279,6 +359,7 @@ void Coupling::closuresOf(int first, int count, const double* gas)
                       (original * radius[k]) / seen.viscosity[k];
         prandtlRoot[k] = g[7];
     }
+    fastest_ = std::sqrt(fastest);
     logarithms(count, reynolds, logReynolds);
     if (settings_.drag)
         settings_.drag(count, seen.voidage, reynolds, logReynolds, beta);

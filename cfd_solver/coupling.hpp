@@ -35,14 +35,18 @@ public:
     bool heat() const { return heat_; }
     bool push() const { return push_; } ///< particles answer to the gas
 
-    /// Weights and voidage for where the particles are now.
+    /// Weights and voidage for where the particles are now, before the first step.
     void map();
 
     /// Ends the run with an error if particles lie outside the mesh.
     void refuseOutside() const;
 
-    /// Closures at the particles; drag and heat exchange coefficients to the gas.
-    void particlesToGas();
+    /// Weights, voidage and closures; drag and heat exchange coefficients to the gas.
+    /// @param courantRate  Courant number of the gas over the step [1/s]
+    void particlesToGas(double courantRate);
+
+    /// Closures are evaluated in the next step, as in that of a run that goes on from a restart.
+    void forgetAnswers() { answersStep_ = 0; }
 
     /// Momentum and heat to the particles from the gas at the end of its step.
     void gasToParticles();
@@ -52,6 +56,9 @@ public:
 
     /// Impulse that the particles received in the last step, drag and pressure gradient, over all ranks [N s].
     const Foam::vector& impulse() const { return impulse_; }
+
+    /// Gas steps so far in which closures were evaluated.
+    long evaluations() const { return evaluations_; }
 
     /// What this rank has sent to others for the exchange so far [bytes].
     std::int64_t bytesSent() const { return mapping_.bytesSent(); }
@@ -63,18 +70,31 @@ public:
 private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
     /// So many particles at a time go through the closures: what is known of them then stays in the nearest cache.
-    static constexpr int part = 256;
+    static constexpr int part = Gift::part;
+    /// Particles further on are fetched: loops read many arrays, a few lines of each at a time, which the processor does
+    /// not see coming.
+    static constexpr int ahead = 64;
     struct Seen ///< the gas at these particles, side by side, and what follows from it
     {
         alignas(64) double voidage[part], density[part], viscosity[part], conductivity[part];
         alignas(64) double B[part], conductance[part]; ///< drag coefficient [kg/s], h A [W/K]
     };
+    bool keepAnswers(double courantRate);
+    void updateWeights(const Gift& gift, double* sums);
+    void setVoidage(const double* volumes, int stride);
+    void setReference();
+    void gasInCells(const Foam::scalarField& Cp);
+    ParticlePositions particles() const;
+    double* answers(int particle) const { return dem_.carried() + std::size_t(particle) * answerFields_; }
     // blocks of particles; `gas` is what they see of it, [count][gasFields]
     void closures(int first, int count, const double* gas);
     void closuresOf(int first, int count, const double* gas);
-    void fill(int count, const double (*position)[3], const double* given, double* sums) const;
     void dragOn(int first, int count, const Seen& seen);
     void heatOn(int first, int count, const Seen& seen);
+    void forgetOutside(int first, int count);
+    void give(int first, int count, double* given) const;
+    void giveMomentum(int first, int count, double* given) const;
+    void giveHeat(int first, int count, double* given) const;
     /// Cells that particles reach, so many at a time that what is known of them stays in the cache from one use to the
     /// next. @param use  called with the first and the end of each block
     template <class Use> void inBlocks(const Use& use) const
@@ -104,21 +124,29 @@ private:
     Timing& timing_;
     const bool heat_;
     const bool push_;
-    const int heatAt_;      ///< where heat begins in given_ and cellSums_; drag comes first
-    const int givenFields_; ///< values of given_ by particle
+    const int heatAt_;      ///< where heat begins in what is given and in cellSums_; drag comes first
+    /// by particle, what it gives: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay,
+    /// see heatOn
+    const int givenFields_;
+    const int volumeAt_;    ///< where the particles' volume is in cellSums_
     const int sumFields_;   ///< values of cellSums_ by cell
     const int readHeatAt_;  ///< where heat begins in what particles read after the gas step; momentum comes first
     const int readFields_;  ///< values of that by cell
+    /// by particle, its answer to the gas in a step of this length, carried by the DEM: B or, with push_, G, held, see
+    /// dragOn; with heat_ gain, early, see heatOn
+    const int answerHeatAt_, answerFields_;
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
     bool mapped_ = false, warned_ = false;
-    std::vector<char> inside_; ///< by particle: whether it lies in the mesh
 
     std::vector<Foam::label> reached_; ///< cells in which particles weigh; the others' values are not kept up to date
     double widest_ = 0;                ///< largest kernel's half width over all ranks [m]
-    /// by particle: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay, see heatToGas
-    std::vector<double> given_;
-    CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3)
+    double smallestCell_ = 0;           ///< shortest side of any cell's bounding box over all ranks [m]
+    double answersStep_ = 0;            ///< gas step that answers are for, 0: none [s]
+    long evaluations_ = 0;
+    double sinceClosures_ = 0;          ///< Courant number since closures were evaluated
+    double fastest_ = 0, stiffest_ = 0; ///< this rank's particles then: largest |v| [m/s], B/m [1/s]
+    CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3); volume
     CellValues cellValues_;     ///< what is read or summed up just now
     std::vector<double> early_; ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_, specificHeat_; ///< of the gas, before its step

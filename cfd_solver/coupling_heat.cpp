@@ -11,24 +11,40 @@ namespace hotbed
 /// cell c gets  w [G (T_i - T_c') - early_c X (T_c - T_c')]  with G = m c gain / dt, X = m c early / dt. The share
 /// early_c of the first-order term is 1 wherever that keeps the gas bounded and a closed pair from passing its
 /// equilibrium, and falls to 0 (fully implicit) as the gas gets stiff. With `exchange implicit` G is h A and X is 0.
+/// Sets answers: gain, early.
 HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const Seen& seen)
 {
     alignas(64) double mc[part], b[part], gain[part], early[part];
-    const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt, reference = gas_.exchange().reference;
-    const double* T = dem_.temperature() + first;
+    const double dt = mesh_.time().deltaTValue();
     dem_.heatCapacity(first, count, mc);
     for (int k = 0; k < count; ++k) b[k] = gain[k] = seen.conductance[k] * dt / mc[k];
     if (settings_.linearExchange)
         relaxation(count, b, gain, early);
     else
         std::fill_n(early, count, 0.0);
-    double* given = &given_[std::size_t(first) * givenFields_ + std::size_t(heatAt_)];
-    for (int k = 0; k < count; ++k, given += givenFields_)
+    double* answer = answers(first) + answerHeatAt_;
+    for (int k = 0; k < count; ++k, answer += answerFields_)
     {
-        given[0] = mc[k] * gain[k] * rate;
-        given[1] = mc[k] * early[k] * rate;
+        answer[0] = gain[k];
+        answer[1] = early[k];
+    }
+}
+
+/// Sets given: G, X, T from the reference on, decay.
+HOTBED_VECTORISED void Coupling::giveHeat(int first, int count, double* given) const
+{
+    alignas(64) double mc[part];
+    const double rate = 1.0 / mesh_.time().deltaTValue(), reference = gas_.exchange().reference;
+    const double* T = dem_.temperature() + first;
+    dem_.heatCapacity(first, count, mc);
+    const double* answer = answers(first) + answerHeatAt_;
+    for (int k = 0; k < count; ++k, answer += answerFields_, given += givenFields_)
+    {
+        __builtin_prefetch(T + k + ahead);
+        given[0] = mc[k] * answer[0] * rate;
+        given[1] = mc[k] * answer[1] * rate;
         given[2] = T[k] - reference;
-        given[3] = 1.0 - gain[k];
+        given[3] = 1.0 - answer[0];
     }
 }
 
@@ -86,16 +102,19 @@ void Coupling::heatInCells(const label* cell, const label* end, const volVectorF
 
 HOTBED_VECTORISED void Coupling::heatToParticles(int first, int count, const double* read)
 {
-    const double dt = mesh_.time().deltaTValue();
-    const double(*x)[3] = dem_.position();
-    double received[Mapping::block], sum = 0.0, exchanged = 0.0;
-    for (int i = first; i < first + count; ++i, read += readFields_)
+    const double reference = gas_.exchange().reference;
+    const double(*x)[3] = dem_.position() + first;
+    const double *T = dem_.temperature() + first, *answer = answers(first) + answerHeatAt_;
+    double mc[Mapping::block], received[Mapping::block], sum = 0.0, exchanged = 0.0;
+    dem_.heatCapacity(first, count, mc);
+    for (int k = 0; k < count; ++k, read += readFields_, answer += answerFields_)
     {
+        __builtin_prefetch(x[k + ahead]);
+        __builtin_prefetch(T + k + ahead);
         const double* r = read + readHeatAt_; // T - grad T . x, grad T, what the early share adds
-        const double* given = &given_[std::size_t(i) * givenFields_ + std::size_t(heatAt_)];
-        const double gas = r[0] + r[1] * x[i][0] + r[2] * x[i][1] + r[3] * x[i][2];
-        const double heat = dt * (given[0] * (gas - given[2]) + given[1] * r[4]);
-        received[i - first] = heat;
+        const double gas = r[0] + r[1] * x[k][0] + r[2] * x[k][1] + r[3] * x[k][2];
+        const double heat = mc[k] * (answer[0] * (gas - (T[k] - reference)) + answer[1] * r[4]);
+        received[k] = heat;
         sum += heat;
         exchanged += std::abs(heat);
     }

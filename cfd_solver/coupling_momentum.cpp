@@ -17,6 +17,64 @@ inline Row4 row(const double (&x)[3])
     return Row4{x[0], x[1], x[2], 0.0};
 }
 
+/// What a particle gives: G, c (the fourth entry means nothing), V held.
+struct Push
+{
+    double G;
+    Row4 c;
+    double volume;
+};
+
+/// Particles that the gas can move, from one on.
+class Pushed
+{
+public:
+    /// @param answers  of the first one: G, held, and others
+    /// @param fields   from there to those of the next one
+    Pushed(Dem& dem, const double* answers, int fields, int first)
+        : m_(dem.mass() + first), radius_(dem.radius() + first), v_(dem.velocity() + first),
+          force_(dem.force() + first), gasForce_(dem.gasForce() + first), alone_(dem.gasAlone() + first),
+          answers_(answers), fields_(fields)
+    {
+    }
+
+    Push operator[](int k) const
+    {
+        const double *answer = answers_ + k * fields_, *alone = alone_[k];
+        const double G = answer[0], held = answer[1];
+        const Row4 velocity = row(v_[k]), change = velocity - *reinterpret_cast<const Row4*>(alone);
+        Push push = {G, G * velocity + held * m_[k] * alone[3] * change, held * volume(k)};
+        if (!(alone[3] > 0.0)) // its first gas step: what forces there are now
+            for (int a = 0; a < 3; ++a) push.c[a] = G * v_[k][a] + held * (force_[k][a] - gasForce_[k][a]);
+        return push;
+    }
+
+    double volume(int k) const { return sphereVolume(radius_[k]); }
+
+    /// Keeps the force of the gas, see FixHotbedDrag::alone.
+    void keep(int k, Row4 force, double dt, double rate) const
+    {
+        *reinterpret_cast<Row4*>(alone_[k]) = row(v_[k]) + dt / m_[k] * force;
+        alone_[k][3] = rate;
+    }
+
+    void fetch(int k) const
+    {
+        __builtin_prefetch(answers_ + k * fields_);
+        __builtin_prefetch(alone_[k]);
+        __builtin_prefetch(v_[k]);
+        __builtin_prefetch(m_ + k);
+        __builtin_prefetch(radius_ + k);
+    }
+
+private:
+    const double *m_, *radius_;
+    const double (*v_)[3], (*force_)[3], (*gasForce_)[3];
+    double (*alone_)[4];
+    const double* answers_;
+    int fields_;
+};
+
 } // namespace
 
 /// What a particle does to the gas in a step, F = G u' - c + V held grad p', with the gas velocity u' and the pressure
@@ -26,47 +84,49 @@ inline Row4 row(const double (&x)[3])
 /// for any b: G is m/dt at most. `a` is that of the pressure gradient, -V grad p'/m, and of the rest, for which the
 /// mean over the last gas step is taken: a particle at rest in a bed then feels all of B u', one that falls reaches its
 /// terminal velocity. Both do so whatever `gain` is.
-/// Sets given_: G, c, V held.
+/// Sets answers: G, held; of particles that do not move B.
 HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const Seen& seen)
 {
     const double* B = seen.B;
-    double* given = &given_[std::size_t(first) * givenFields_];
     if (!push_)
     {
-        for (int k = 0; k < count; ++k) given[k * givenFields_] = B[k];
+        for (int k = 0; k < count; ++k) answers(first + k)[0] = B[k];
         return;
     }
-    alignas(64) double volume[part], b[part], gain[part], held[part], G[part], others[part];
+    alignas(64) double volume[part], b[part], gain[part], held[part], G[part];
     const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt;
     const double *m = dem_.mass() + first, *radius = dem_.radius() + first;
+    double most = 0.0;
+#pragma omp simd reduction(max : most)
     for (int k = 0; k < count; ++k)
     {
         volume[k] = sphereVolume(radius[k]);
         b[k] = B[k] * dt / m[k];
+        most = b[k] > most ? b[k] : most;
     }
+    stiffest_ = std::max(stiffest_, most * rate);
     dragAnswer(count, seen.voidage, seen.density, m, volume, b, gain, held);
-
-    const double(*v)[3] = dem_.velocity() + first;
-    const double(*alone)[4] = dem_.gasAlone() + first;
-    for (int k = 0; k < count; ++k)
-    {
-        G[k] = m[k] * gain[k] * rate;
-        others[k] = held[k] * m[k] * alone[k][3];
-        volume[k] *= held[k];
-    }
-    for (int k = 0; k < count; ++k, given += givenFields_)
+    for (int k = 0; k < count; ++k) G[k] = m[k] * gain[k] * rate;
+    double* answer = answers(first);
+    for (int k = 0; k < count; ++k, answer += answerFields_)
     {
         // what comes is on its way by then: rows that are only written wait for the memory, too
-        __builtin_prefetch(given + 32 * givenFields_, 1);
-        __builtin_prefetch(alone[k + 32]);
-        const Row4 velocity = row(v[k]), change = velocity - *reinterpret_cast<const Row4*>(alone[k]);
-        given[0] = G[k];
-        *reinterpret_cast<Row4*>(given + 1) = G[k] * velocity + others[k] * change;
-        given[4] = volume[k];
-        if (alone[k][3] > 0.0) continue;
-        // its first gas step: what forces there are now
-        for (int a = 0; a < 3; ++a)
-            given[1 + a] = G[k] * v[k][a] + held[k] * (dem_.force()[first + k][a] - dem_.gasForce()[first + k][a]);
+        __builtin_prefetch(answer + 64 * answerFields_, 1);
+        answer[0] = G[k];
+        answer[1] = held[k];
+    }
+}
+
+HOTBED_VECTORISED void Coupling::giveMomentum(int first, int count, double* given) const
+{
+    const Pushed particles(dem_, answers(first), answerFields_, first);
+    for (int k = 0; k < count; ++k, given += givenFields_)
+    {
+        particles.fetch(k + ahead);
+        const Push push = particles[k];
+        given[0] = push.G;
+        *reinterpret_cast<Row4*>(given + 1) = push.c;
+        given[4] = push.volume;
     }
 }
 
@@ -105,21 +165,18 @@ void Coupling::momentumInCells(const label* cell, const label* end)
 HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const double* read)
 {
     const double dt = mesh_.time().deltaTValue(), rate = 1.0 / dt;
-    const double *radius = dem_.radius() + first, *m = dem_.mass() + first;
-    const double(*v)[3] = dem_.velocity() + first;
-    double(*alone)[4] = dem_.gasAlone() + first;
-    const double* given = &given_[std::size_t(first) * givenFields_];
+    const Pushed particles(dem_, answers(first), answerFields_, first);
     Row4 received = {}, dragReceived = {}, exchanged = {}; // the fourth entries mean nothing
     double forces[Mapping::block + 1][3];
-    for (int k = 0; k < count; ++k, read += readFields_, given += givenFields_)
+    for (int k = 0; k < count; ++k, read += readFields_)
     {
+        particles.fetch(k + ahead);
+        const Push push = particles[k];
         const Row4 velocity = *reinterpret_cast<const Row4*>(read), gradient = *reinterpret_cast<const Row4*>(read + 3);
-        const Row4 drag = given[0] * velocity - *reinterpret_cast<const Row4*>(given + 1) + given[4] * gradient;
-        const Row4 force = drag - sphereVolume(radius[k]) * gradient;
-        __builtin_prefetch(alone[k + 32], 1);        // as above
+        const Row4 drag = push.G * velocity - push.c + push.volume * gradient;
+        const Row4 force = drag - particles.volume(k) * gradient;
         *reinterpret_cast<Row4*>(forces[k]) = force; // and into the next one's
-        *reinterpret_cast<Row4*>(alone[k]) = row(v[k]) + dt / m[k] * force;
-        alone[k][3] = rate;
+        particles.keep(k, force, dt, rate);
         received += force;
         dragReceived += drag;
         exchanged += drag > 0.0 ? drag : -drag;

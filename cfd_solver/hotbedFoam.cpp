@@ -193,6 +193,8 @@ void printSpeed(Timing& timing, const fvMesh& mesh, const Dem& dem, const Coupli
     const scalar gas = largest(timing.of("gas"));
     if (dem.moving() && sum(particleSteps) > 0)
         row("DEM, particle-steps a second", sum(particleSteps) / largest(timing.of("DEM")) / 1e6, "million");
+    if (coupling.evaluations() < steps)
+        row("closures evaluated", 100.0 * scalar(coupling.evaluations()) / scalar(steps), "% of the gas steps");
     if (gas > 0) row("gas, cells a second", sum(mesh.nCells()) * scalar(steps) / gas / 1e6, "million");
     if (Pstream::parRun() && steps > 0)
     {
@@ -321,8 +323,7 @@ int main(int argc, char* argv[])
             Info << "Time = " << runTime.timeName() << "  Courant " << courantRate * runTime.deltaTValue()
                  << "  DEM steps " << substeps << endl;
 
-            coupling.map();
-            coupling.particlesToGas();
+            coupling.particlesToGas(courantRate);
             {
                 const auto time = timing.measure("gas");
                 gas.advance();
@@ -346,6 +347,7 @@ int main(int argc, char* argv[])
             {
                 bed.particlesWillMove();
                 restart.writeParticles(*dem);
+                coupling.forgetAnswers();
                 bed.particlesHaveMoved();
                 restart.complete(bed.state(), *dem);
             }

@@ -68,7 +68,7 @@ def change_settings(path, changes):
 
 
 COUPLING = ("drag", "heatTransfer", "kernelWidth", "windowLength", "kernelSamples", "exchange", "temperatureGradient",
-            "writeRestart", "bedInterval")
+            "writeRestart", "bedInterval", "closureCo")
 
 
 def place(case, name):

@@ -134,7 +134,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
         IOobject("couplingProperties", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false));
 
     const wordList known = words({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
-                                  "kernelSamples", "exchange", "temperatureGradient", "writeRestart", "bedInterval"});
+                                  "kernelSamples", "closureCo", "exchange", "temperatureGradient", "writeRestart", "bedInterval"});
     for (const word& key : dict.toc())
         if (key != "FoamFile" && !known.found(key))
             FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)
@@ -159,6 +159,7 @@ CouplingSettings::CouplingSettings(const Time& runTime)
     else if (dict.found("kernelWidth"))
         kernelWidth = number(dict, "kernelWidth", {0.0, false, 1e6});
     if (dict.found("kernelSamples")) kernelSamples = wholeNumber(dict, "kernelSamples", {1, true, 16});
+    if (dict.found("closureCo")) closureCo = number(dict, "closureCo", {0.0, true, 1.0});
     if (dict.found("bedInterval")) bedInterval = wholeNumber(dict, "bedInterval", {1, true});
     writeRestart = onOff(dict, "writeRestart", true);
     if (dict.found("exchange")) linearExchange = choice(dict, "exchange", words({"linear", "implicit"})) == "linear";

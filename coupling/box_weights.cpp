@@ -20,7 +20,7 @@ using Values2 = double __attribute__((vector_size(16), aligned(8), may_alias));
 using Values4 = Row4;
 using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
 
-/// values in two or three registers
+/// values in two, three or four registers
 struct Pair
 {
     Values4 low, high;
@@ -32,10 +32,20 @@ struct Triple
     Values4 high;
 };
 
+struct Quad
+{
+    Pair low, high;
+};
+
 struct WideTriple
 {
     Values8 low;
     Values4 high;
+};
+
+struct WidePair
+{
+    Values8 low, high;
 };
 
 template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
@@ -58,6 +68,7 @@ struct Narrow
     using Counts = int __attribute__((vector_size(16), may_alias));
     using Eight = Pair;
     using Twelve = Triple;
+    using Sixteen = Quad;
 };
 
 /// Processors with registers of eight numbers
@@ -67,6 +78,7 @@ struct Wide
     using Counts = int __attribute__((vector_size(32), may_alias));
     using Eight = Values8;
     using Twelve = WideTriple;
+    using Sixteen = WidePair;
 };
 
 template <class Work> HOTBED_NARROW void withNarrow(const Work& work)
@@ -505,7 +517,8 @@ template <class Registers, class Work> inline void choose(int fields, const BoxW
     if (fields == 2) return withSlots(Values2{});
     if (fields == 8) return withSlots(typename Registers::Eight{});
     if (fields == 12) return withSlots(typename Registers::Twelve{});
-    throw std::invalid_argument("interpolate, deposit: 1, 2, 8 or 12 fields at a time");
+    if (fields == 16) return withSlots(typename Registers::Sixteen{});
+    throw std::invalid_argument("interpolate, deposit: 1, 2, 8, 12 or 16 fields at a time");
 }
 
 } // namespace

@@ -131,7 +131,7 @@ const double* Mapping::receiveGuests(const ParticlePositions& particles)
     return fromGuests(2, found.data());
 }
 
-const std::vector<char>& Mapping::update(const ParticlePositions& particles, double* volumes)
+void Mapping::update(const ParticlePositions& particles, const Gift* gift, double* cellSums)
 {
     particles_ = particles.count;
     inside_.resize(std::size_t(particles_));
@@ -140,9 +140,9 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles, dou
     route(particles);
     const double* found = receiveGuests(particles);
     std::vector<double> factors(sendParticle_.size());
-    Guests incoming(*this), outgoing(*this);
-    double* sums = volumes ? weights_->sums(1, volumes) : nullptr;
-    double halfWidth[block], volume[block], mass[block], centre[block], widest = 0.0;
+    Guests incoming(*this), outgoing(*this), givers(*this);
+    double* sums = gift ? weights_->sums(gift->sums, cellSums) : nullptr;
+    double halfWidth[block], mass[block], centre[block], widest = 0.0;
     for (int first = 0; first < particles_; first += block)
     {
         const int count = std::min(block, particles_ - first);
@@ -150,7 +150,6 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles, dou
         for (int k = 0; k < count; ++k)
         {
             halfWidth[k] = particles.kernel.half(particles.radius[first + k]);
-            volume[k] = sphereVolume(particles.radius[first + k]);
             widest = halfWidth[k] > widest ? halfWidth[k] : widest;
         }
         std::fill_n(mass, count, 0.0);
@@ -163,18 +162,54 @@ const std::vector<char>& Mapping::update(const ParticlePositions& particles, dou
                       });
         weights_->appendShares(count, particles.position + first, halfWidth, mass, centre, inside_.data() + first);
         outgoing.upTo(first + count, [&](std::size_t e, int i) { factors[e] = mass[i - first]; });
-        if (volumes) weights_->deposit(1, first, count, volume, sums);
+        if (gift) give(particles, *gift, first, count, givers, sums);
     }
     widest_ = widest;
     receiveBuffer_.resize(std::size_t(guests_));
     exchange(1, factors.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
     guestWeights_->scale(0, guests_, receiveBuffer_.data());
-    if (volumes)
+    if (gift) giveGuests(*gift, sums, cellSums);
+}
+
+/// What a block of this rank's particles gives to its cells, and to the messages to other ranks (sendBuffer_).
+void Mapping::give(const ParticlePositions& particles, const Gift& gift, int first, int count, Guests& outgoing,
+                   double* sums)
+{
+    constexpr int part = Gift::part;
+    const std::size_t fields = std::size_t(gift.fields);
+    sendBuffer_.resize(sendParticle_.size() * fields);
+    given_.resize(part * fields);
+    filled_.resize(std::size_t(block) * gift.sums);
+    double volume[part];
+    for (int begin = first; begin < first + count; begin += part)
     {
-        guestWeights_->deposit(1, 0, guests_, guestVolume_.data(), sums);
-        weights_->passOn(1, volumes);
+        const int some = std::min(part, first + count - begin);
+        if (fields > 0) gift.give(begin, some, given_.data());
+        outgoing.upTo(begin + some,
+                      [&](std::size_t e, int i)
+                      { std::copy_n(&given_[std::size_t(i - begin) * fields], fields, &sendBuffer_[e * fields]); });
+        for (int k = 0; k < some; ++k) volume[k] = sphereVolume(particles.radius[begin + k]);
+        gift.fill(some, particles.position + begin, volume, given_.data(),
+                  &filled_[std::size_t(begin - first) * gift.sums]);
     }
-    return inside_;
+    weights_->deposit(gift.sums, first, count, filled_.data(), sums);
+}
+
+/// What guests give, once all of this rank's particles have given.
+void Mapping::giveGuests(const Gift& gift, double* sums, double* cellSums)
+{
+    const std::size_t fields = std::size_t(gift.fields);
+    receiveBuffer_.resize(std::size_t(guests_) * fields);
+    if (fields > 0) exchange(gift.fields, sendBuffer_.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
+    filled_.resize(std::size_t(block) * gift.sums);
+    for (int first = 0; first < guests_; first += block)
+    {
+        const int count = std::min(block, guests_ - first);
+        gift.fill(count, reinterpret_cast<const double(*)[3]>(guestPosition_.data()) + first, &guestVolume_[first],
+                  receiveBuffer_.data() + std::size_t(first) * fields, filled_.data());
+        guestWeights_->deposit(gift.sums, first, count, filled_.data(), sums);
+    }
+    weights_->passOn(gift.sums, cellSums);
 }
 
 void Mapping::exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
@@ -199,17 +234,6 @@ void Mapping::exchange(int fields, const double* send, const std::vector<int>& s
                   &requests.back());
     }
     MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-}
-
-/// @return [guests][fields], until the next message
-const double* Mapping::toGuests(int fields, const double* home)
-{
-    sendBuffer_.resize(sendParticle_.size() * std::size_t(fields));
-    for (std::size_t e = 0; e < sendParticle_.size(); ++e)
-        std::copy_n(home + std::size_t(sendParticle_[e]) * fields, fields, &sendBuffer_[e * std::size_t(fields)]);
-    receiveBuffer_.resize(std::size_t(guests_) * fields);
-    exchange(fields, sendBuffer_.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
-    return receiveBuffer_.data();
 }
 
 /// @return for each entry sent [fields], until the next message
@@ -242,27 +266,18 @@ void Mapping::interpolate(int fields, const double* cellValues, const Use& use)
     }
 }
 
-void Mapping::answer(int fields, const double* cellValues, const Use& use, const double (*position)[3], int givenFields,
-                     const double* given, const Fill& fill, int sumFields, double* cellSums)
+void Mapping::answer(int fields, const double* cellValues, const Use& use, const ParticlePositions& particles,
+                     const Gift& gift, double* cellSums)
 {
-    filled_.resize(std::size_t(block) * sumFields);
-    double* sums = weights_->sums(sumFields, cellSums);
-    const auto deposit = [&](Weights& weights, int first, int count, const double(*where)[3], const double* what)
-    {
-        fill(count, where + first, what + std::size_t(first) * givenFields, filled_.data());
-        weights.deposit(sumFields, first, count, filled_.data(), sums);
-    };
+    double* sums = weights_->sums(gift.sums, cellSums);
+    Guests outgoing(*this);
     interpolate(fields, cellValues,
                 [&](int first, int count, const double* values)
                 {
                     use(first, count, values);
-                    deposit(*weights_, first, count, position, given);
+                    give(particles, gift, first, count, outgoing, sums);
                 });
-    const double* from = toGuests(givenFields, given);
-    for (int first = 0; first < guests_; first += block)
-        deposit(*guestWeights_, first, std::min(block, guests_ - first),
-                reinterpret_cast<const double(*)[3]>(guestPosition_.data()), from);
-    weights_->passOn(sumFields, cellSums);
+    giveGuests(gift, sums, cellSums);
 }
 
 } // namespace hotbed

@@ -38,6 +38,23 @@ struct ParticlePositions
     KernelWidth kernel;
 };
 
+/// What particles give to the cells.
+struct Gift
+{
+    static constexpr int part = 256; ///< particles at a time, at most: few enough to stay in the nearest cache
+    /// Sets what particles of this rank give, [count][fields].
+    using Give = std::function<void(int first, int count, double* given)>;
+    /// Sets what particles, also of other ranks, add to sums, [count][sums].
+    /// @param volume  [m3]
+    /// @param given   [count][fields]
+    using Fill = std::function<void(int count, const double (*position)[3], const double* volume, const double* given,
+                                    double* values)>;
+    int fields; ///< 0: nothing
+    Give give;  ///< not called without fields
+    int sums;   ///< by cell: 1, 2, 8, 12 or 16
+    Fill fill;
+};
+
 /// The one mapping between particles and cells, both ways (eq 4, 8): weights w_ic of particle i and cell c with
 /// sum_c w_ic = 1 for every particle, over all ranks and at all walls.
 ///
@@ -51,11 +68,13 @@ class Mapping
 public:
     Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells);
 
-    /// Weights for new positions. Collective.
-    /// @param volumes  [cells().size()], the particles' volumes are added to [m3], where given
-    /// @return for each particle of this rank whether its centre lies in the mesh. Particles that lie outside carry
-    ///         no weights: nothing is exchanged with them.
-    const std::vector<char>& update(const ParticlePositions& particles, double* volumes = nullptr);
+    /// Weights for new positions, and, where asked for, what particles give at once. Collective.
+    /// @param cellSums  [cells().size()][gift->sums], added to
+    void update(const ParticlePositions& particles, const Gift* gift = nullptr, double* cellSums = nullptr);
+
+    /// For each particle of this rank, whether its centre lies in the mesh. Particles that lie outside carry no
+    /// weights: nothing is exchanged with them.
+    const std::vector<char>& inside() const { return inside_; }
 
     /// The largest half width of a kernel of this rank's particles [m].
     double widest() const { return widest_; }
@@ -67,30 +86,28 @@ public:
 
     /// Weighted means of cell values to the particles, a block of them at a time: few enough that these need not leave
     /// the (second) cache, enough that the processor sees the arrays that follow each other coming. Collective.
-    /// @param fields      values per cell: 1, 2, 8 or 12
+    /// @param fields      values per cell: 1, 2, 8, 12 or 16
     /// @param cellValues  [cells().size()][fields]
     static constexpr int block = 2048;
     using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
     void interpolate(int fields, const double* cellValues, const Use& use);
 
     /// The same, and what the particles answer to the cells, block by block. Collective.
-    /// @param use       sets what its particles give
-    /// @param position  of the particles, as they were in `update`
-    /// @param given     [particles][givenFields]
-    /// @param fill      what is summed up, from where `count` particles are and what they give, [count][givenFields] ->
-    ///                  [count][sumFields]
-    /// @param cellSums  [cells().size()][sumFields], added to; 1, 2, 8 or 12 fields
-    using Fill = std::function<void(int count, const double (*position)[3], const double* given, double* values)>;
-    void answer(int fields, const double* cellValues, const Use& use, const double (*position)[3], int givenFields,
-                const double* given, const Fill& fill, int sumFields, double* cellSums);
+    /// @param use        called before its particles give
+    /// @param particles  as they were in `update`
+    /// @param cellSums   [cells().size()][gift.sums], added to
+    void answer(int fields, const double* cellValues, const Use& use, const ParticlePositions& particles,
+                const Gift& gift, double* cellSums);
 
 private:
     class Guests;
 
     void route(const ParticlePositions& particles);
     const double* receiveGuests(const ParticlePositions& particles);
-    const double* toGuests(int fields, const double* home);
     const double* fromGuests(int fields, const double* guests);
+    void give(const ParticlePositions& particles, const Gift& gift, int first, int count, Guests& outgoing,
+              double* sums);
+    void giveGuests(const Gift& gift, double* sums, double* cellSums);
     void exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
                   const std::vector<int>& receiveStart);
 
@@ -110,7 +127,7 @@ private:
     std::vector<Point> guestPosition_;
     std::vector<double> guestVolume_;
     std::vector<char> inside_;
-    std::vector<double> sendBuffer_, receiveBuffer_, partial_, guestPartial_, filled_;
+    std::vector<double> sendBuffer_, receiveBuffer_, partial_, guestPartial_, given_, filled_;
 };
 
 } // namespace hotbed

@@ -3,6 +3,7 @@
 #include "dem.hpp"
 
 #include "fix_hotbed_balance.h"
+#include "fix_hotbed_carried.h"
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
@@ -86,6 +87,7 @@ struct Dem::Instance
     FixHotbedHeat* heat = nullptr;
     FixHotbedDrag* drag = nullptr;
     FixHotbedCoarsegrain* coarsegrain = nullptr;
+    FixHotbedCarried* carried = nullptr;
     bool moving = true;
 
     template <class Style> Style* find() const
@@ -330,6 +332,27 @@ double (*Dem::gasAlone() const)[4]
 const double (*Dem::force() const)[3]
 {
     return block(instance_->lmp->atom->f);
+}
+
+void Dem::carry(int values)
+{
+    std::vector<const char*> arg = {"hotbedCarried",    "all", "hotbed/carried", "hotbedCarried",
+                                    "vector_one_entry", "no",  "no",             "no"};
+    arg.insert(arg.end(), std::size_t(values), "0.");
+    if (values > 1) arg[4] = "vector";
+    instance_->lmp->modify->add_fix(int(arg.size()), const_cast<char**>(arg.data()));
+    instance_->carried = instance_->find<FixHotbedCarried>();
+}
+
+double* Dem::carried() const
+{
+    double** rows = instance_->carried->array_atom;
+    return rows ? rows[0] : nullptr;
+}
+
+bool Dem::newParticles()
+{
+    return std::exchange(instance_->carried->newParticles, false);
 }
 
 double Dem::largestOverlap(int* particle) const

@@ -5,6 +5,7 @@
 #include "liggghts.hpp"
 
 #include "fix_hotbed_balance.h"
+#include "fix_hotbed_carried.h"
 #include "fix_hotbed_coarsegrain.h"
 #include "fix_hotbed_drag.h"
 #include "fix_hotbed_heat.h"
@@ -57,6 +58,7 @@ __attribute__((visibility("default"))) void LAMMPS::create()
 
     FixMap& fixes = fixMapOf(*modify);
     fixes["hotbed/balance"] = &makeFix<FixHotbedBalance>;
+    fixes["hotbed/carried"] = &makeFix<FixHotbedCarried>;
     fixes["hotbed/coarsegrain"] = &makeFix<FixHotbedCoarsegrain>;
     fixes["hotbed/drag"] = &makeFix<FixHotbedDrag>;
     fixes["hotbed/heat"] = &makeFix<FixHotbedHeat>;

@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from scenes import SlimBedTest, edit, run  # first: it finds the modules below
+from scenes import SlimBedTest, edit, evaluated, run  # first: it finds the modules below
 import results
 
 C_P = {1: 779.0, 2: 450.0}
@@ -193,6 +193,17 @@ class InAndOut(SlimBedTest):
         self.assertEqual(len(new), 10)
         np.testing.assert_array_equal(new[:, 1:], [[T0] + [0.0] * 8] * 10)
         self.assertTrue((old[:, 2] > 0).all() and (old[:, 9] == 1 / 2.5e-5).all())
+
+    def test_new_particles_do_not_wait_for_closures(self):
+        # slow ones, so that others still answer as they did in an earlier gas step
+        target = self.prepared("wait", REGION.format(more="").replace("0 0 8 region", "0 0 0.2 region") +
+                               "\ndump fresh all custom 215 DEM/post/fresh*.txt id f_Nusselt\ndump_modify fresh sort id", endTime="0.003")
+        self.solved(target)
+        self.assertLess(evaluated((target / "log.hotbedFoam").read_text()), 0.7)
+        # inserted in DEM step 201; the gas step in between begins at 210
+        rows = np.loadtxt(target / "DEM/post/fresh215.txt", skiprows=9)
+        self.assertGreater(rows[:, 0].max(), 10)
+        self.assertTrue((rows[:, 1] > 0).all())
 
     def test_ranks_without_particles(self):
         for split, grid in (("1 1 4", "processors 1 1 4"), ("2 2 1", "processors 2 2 1")):

@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scenes import DUMP, SlimBedTest, TIGHT  # first: it finds the modules below
+from scenes import DUMP, SlimBedTest, TIGHT, evaluated  # first: it finds the modules below
 import results
 
 class MovingBed(SlimBedTest):
@@ -61,12 +61,14 @@ class MovingBed(SlimBedTest):
 
     def test_ranks_and_integrations_agree(self):
         stock = ("DEM/in.bed", r"^fix\s+integrate .*", "fix gravity all gravity 9.81 vector 0 0 -1\nfix integrate all nve/sphere")
+        kept = ("constant/couplingProperties", r"^kernelWidth", "closureCo 1;\nkernelWidth")  # in several steps
         end = "0.0005"  # 20 gas steps, 200 DEM steps
         places = {}
         runs = {"one": (1, "1 1 1", []), "two": (2, "1 1 2", []), "four": (4, "2 2 1", []), "nve/sphere": (1, "1 1 1", [stock])}
         for name, (ranks, grid, edits) in runs.items():
-            target, _ = self.bed(name.replace("/", "_"), ranks, TIGHT + DUMP + edits + [
+            target, log = self.bed(name.replace("/", "_"), ranks, [*TIGHT, *DUMP, *edits, kept,
                 ("DEM/in.bed", r"^newton", f"processors {grid}\nnewton")], endTime=end)
+            self.assertLess(evaluated(log), 0.7)
             rows = np.loadtxt(target / "DEM/post/particles200.txt", skiprows=9)
             start = np.loadtxt(target / "DEM/post/particles0.txt", skiprows=9)
             order = start[np.lexsort(np.round(start[:, 1:4] * 1e6).T), 0].astype(int) - 1  # ids depend on the ranks

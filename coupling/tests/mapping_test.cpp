@@ -125,14 +125,21 @@ std::vector<double> read(Mapping& mapping, int fields, const std::vector<double>
     return values;
 }
 
-/// adds the particles' values to the cells
-void give(Mapping& mapping, const Particles& p, const std::vector<double>& value, std::vector<double>& cells)
+/// A value of each particle, and its volume, to the cells.
+/// @param sums  values by cell: 2, or more, which must stay 0
+Gift gift(const std::vector<double>& value, int sums)
 {
-    const std::vector<double> nothing(cells.size());
-    mapping.answer(
-        1, nothing.data(), [](int, int, const double*) {}, p.view().position, 1, value.data(),
-        [](int count, const double(*)[3], const double* given, double* sums) { std::copy_n(given, count, sums); }, 1,
-        cells.data());
+    return {1, [&value](int first, int count, double* given) { std::copy_n(&value[std::size_t(first)], count, given); },
+            sums,
+            [sums](int count, const double(*)[3], const double* volume, const double* given, double* values)
+            {
+                std::fill_n(values, count * sums, 0.0);
+                for (int k = 0; k < count; ++k)
+                {
+                    values[k * sums] = given[k];
+                    values[k * sums + sums - 1] = volume[k];
+                }
+            }};
 }
 
 } // namespace
@@ -155,8 +162,25 @@ TEST_P(MappingOnRanks, WeightsSumToOneAndValuesAreThoseOfOneRank)
     const Particles p = particles(false), all = particles(true);
     Mapping parallel(MPI_COMM_WORLD, cellsOf(mine, lattice));
     Mapping serial(MPI_COMM_SELF, cellsOf(whole, lattice));
-    for (const char inside : parallel.update(p.view())) EXPECT_TRUE(inside);
-    serial.update(all.view());
+    // deposits: every cell gets what it gets on one rank
+    std::vector<double> value, allValue;
+    for (const int id : p.id) value.push_back(1.0 + id % 13);
+    for (const int id : all.id) allValue.push_back(1.0 + id % 13);
+    const std::size_t cells = mine.boxes.size(), allCells = whole.boxes.size();
+    std::vector<double> sum(cells * 16), allSum(allCells * 16), answered(cells * 2), nothing(cells);
+    const Gift given = gift(value, 16), allGiven = gift(allValue, 16);
+    parallel.update(p.view(), &given, sum.data());
+    serial.update(all.view(), &allGiven, allSum.data());
+    for (const char inside : parallel.inside()) EXPECT_TRUE(inside);
+    for (std::size_t c = 0; c < cells; ++c)
+        for (std::size_t f = 0; f < 16; ++f)
+            EXPECT_NEAR(sum[c * 16 + f], allSum[std::size_t(mine.global[c]) * 16 + f], 1e-11);
+
+    // the same where they give after they have read
+    parallel.answer(
+        1, nothing.data(), [](int, int, const double*) {}, p.view(), gift(value, 2), answered.data());
+    for (std::size_t c = 0; c < cells; ++c)
+        for (std::size_t f = 0; f < 2; ++f) EXPECT_NEAR(answered[c * 2 + f], sum[c * 16 + f * 15], 1e-11);
 
     const auto wholeField = cellField(whole), field = cellField(mine);
     const std::vector<double> expected = read(serial, 2, wholeField, all.x.size());
@@ -166,15 +190,6 @@ TEST_P(MappingOnRanks, WeightsSumToOneAndValuesAreThoseOfOneRank)
         EXPECT_NEAR(got[2 * i], 1.0, 1e-13) << "particle " << p.id[i];
         EXPECT_NEAR(got[2 * i + 1], expected[2 * std::size_t(p.id[i]) + 1], 1e-12);
     }
-
-    // deposits: every cell gets what it gets on one rank
-    std::vector<double> value, allValue;
-    for (const int id : p.id) value.push_back(1.0 + id % 13);
-    for (const int id : all.id) allValue.push_back(1.0 + id % 13);
-    std::vector<double> sum(mine.boxes.size(), 0.0), allSum(whole.boxes.size(), 0.0);
-    give(parallel, p, value, sum);
-    give(serial, all, allValue, allSum);
-    for (std::size_t c = 0; c < sum.size(); ++c) EXPECT_NEAR(sum[c], allSum[std::size_t(mine.global[c])], 1e-11);
 }
 
 INSTANTIATE_TEST_SUITE_P(Splits, MappingOnRanks, ::testing::Combine(::testing::Range(0, 4), ::testing::Bool()));
@@ -185,7 +200,8 @@ TEST(Mapping, ParticlesOutsideTheMeshAreFound)
     Mapping mapping(MPI_COMM_WORLD, std::make_unique<BoxCells>(mine.boxes, unit));
     const double x[3][3] = {{0.5, 0.5, 0.5}, {1.05, 0.5, 0.5}, {7, 7, 7}};
     const double n[3] = {0.2, 0.2, 0.2};
-    const auto inside = mapping.update({rank() == 0 ? 3 : 0, x, n, asRadius});
+    mapping.update({rank() == 0 ? 3 : 0, x, n, asRadius});
+    const auto& inside = mapping.inside();
     if (rank() == 0)
     {
         EXPECT_TRUE(inside[0]);
