@@ -192,19 +192,21 @@ void Coupling::setVoidage(const double* volumes, int stride)
     mapped_ = true;
 }
 
-/// Whether in this gas step particles answer to the gas as the closures told for the step before (FixHotbedCarried).
+/// Whether in this gas step particles answer to the gas as the closures told for an earlier one (FixHotbedCarried).
 /// They read the gas, and closures are evaluated, once it or they have crossed a part of a cell since then
-/// (closureCo), or a tenth of that part of their relaxation time is over, to which drag answers at once; also where the
-/// step has another length, from which the answers follow, and for new particles. The same on any number of ranks.
+/// (closureCo), the fastest gas has changed by that part, or a tenth of it of the particles' relaxation time is over,
+/// to which drag answers at once; also where the step has another length, from which the answers follow, and for new
+/// particles. The same on any number of ranks.
 bool Coupling::keepAnswers(double courantRate)
 {
-    const double dt = mesh_.time().deltaTValue();
+    const double dt = mesh_.time().deltaTValue(), part = settings_.closureCo;
     double largest[3] = {fastest_ / smallestCell_, 10.0 * stiffest_, dem_.newParticles() ? 1.0 : 0.0};
     MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     const double more = dt * std::max({courantRate, largest[0], largest[1]});
-    const bool keep = dem_.moving() && dt == answersStep_ && largest[2] == 0.0 &&
-                      sinceClosures_ + more <= settings_.closureCo;
+    const bool keep = dem_.moving() && dt == answersStep_ && largest[2] == 0.0 && sinceClosures_ + more <= part &&
+                      std::abs(courantRate - courantThen_) <= part * courantThen_;
     sinceClosures_ = keep ? sinceClosures_ + more : more;
+    if (!keep) courantThen_ = courantRate;
     answersStep_ = dt;
     return keep;
 }

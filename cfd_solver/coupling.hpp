@@ -71,8 +71,8 @@ private:
     std::unique_ptr<const Cells> makeCells(const CouplingSettings& settings);
     /// So many particles at a time go through the closures: what is known of them then stays in the nearest cache.
     static constexpr int part = Gift::part;
-    /// Particles further on are fetched: loops read many arrays, a few lines of each at a time, which the processor does
-    /// not see coming.
+    /// Particles further on are fetched: loops read many arrays, a few lines of each at a time, which the processor
+    /// does not see coming.
     static constexpr int ahead = 64;
     struct Seen ///< the gas at these particles, side by side, and what follows from it
     {
@@ -124,14 +124,14 @@ private:
     Timing& timing_;
     const bool heat_;
     const bool push_;
-    const int heatAt_;      ///< where heat begins in what is given and in cellSums_; drag comes first
+    const int heatAt_; ///< where heat begins in what is given and in cellSums_; drag comes first
     /// by particle, what it gives: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay,
     /// see heatOn
     const int givenFields_;
-    const int volumeAt_;    ///< where the particles' volume is in cellSums_
-    const int sumFields_;   ///< values of cellSums_ by cell
-    const int readHeatAt_;  ///< where heat begins in what particles read after the gas step; momentum comes first
-    const int readFields_;  ///< values of that by cell
+    const int volumeAt_;   ///< where the particles' volume is in cellSums_
+    const int sumFields_;  ///< values of cellSums_ by cell
+    const int readHeatAt_; ///< where heat begins in what particles read after the gas step; momentum comes first
+    const int readFields_; ///< values of that by cell
     /// by particle, its answer to the gas in a step of this length, carried by the DEM: B or, with push_, G, held, see
     /// dragOn; with heat_ gain, early, see heatOn
     const int answerHeatAt_, answerFields_;
@@ -141,13 +141,14 @@ private:
 
     std::vector<Foam::label> reached_; ///< cells in which particles weigh; the others' values are not kept up to date
     double widest_ = 0;                ///< largest kernel's half width over all ranks [m]
-    double smallestCell_ = 0;           ///< shortest side of any cell's bounding box over all ranks [m]
-    double answersStep_ = 0;            ///< gas step that answers are for, 0: none [s]
+    double smallestCell_ = 0;          ///< shortest side of any cell's bounding box over all ranks [m]
+    double answersStep_ = 0;           ///< gas step that answers are for, 0: none [s]
     long evaluations_ = 0;
+    double courantThen_ = 0;            ///< rate of the gas when closures were evaluated [1/s]
     double sinceClosures_ = 0;          ///< Courant number since closures were evaluated
     double fastest_ = 0, stiffest_ = 0; ///< this rank's particles then: largest |v| [m/s], B/m [1/s]
-    CellValues cellSums_;       ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3); volume
-    CellValues cellValues_;     ///< what is read or summed up just now
+    CellValues cellSums_;   ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3); volume
+    CellValues cellValues_; ///< what is read or summed up just now
     std::vector<double> early_; ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_, specificHeat_; ///< of the gas, before its step
     double heatExchanged_ = 0;

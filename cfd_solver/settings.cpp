@@ -133,8 +133,9 @@ CouplingSettings::CouplingSettings(const Time& runTime)
     const IOdictionary dict(
         IOobject("couplingProperties", runTime.constant(), runTime, IOobject::MUST_READ, IOobject::NO_WRITE, false));
 
-    const wordList known = words({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength",
-                                  "kernelSamples", "closureCo", "exchange", "temperatureGradient", "writeRestart", "bedInterval"});
+    const wordList known =
+        words({"demScript", "drag", "heatTransfer", "kernel", "kernelWidth", "windowLength", "kernelSamples",
+               "closureCo", "exchange", "temperatureGradient", "writeRestart", "bedInterval"});
     for (const word& key : dict.toc())
         if (key != "FoamFile" && !known.found(key))
             FatalIOErrorInFunction(dict) << "unknown key '" << key << "'; known keys are " << flatOutput(known)

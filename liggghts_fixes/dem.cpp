@@ -336,8 +336,8 @@ const double (*Dem::force() const)[3]
 
 void Dem::carry(int values)
 {
-    std::vector<const char*> arg = {"hotbedCarried",    "all", "hotbed/carried", "hotbedCarried",
-                                    "vector_one_entry", "no",  "no",             "no"};
+    std::vector<const char*> arg = {
+        "hotbedCarried", "all", "hotbed/carried", "hotbedCarried", "vector_one_entry", "no", "no", "no"};
     arg.insert(arg.end(), std::size_t(values), "0.");
     if (values > 1) arg[4] = "vector";
     instance_->lmp->modify->add_fix(int(arg.size()), const_cast<char**>(arg.data()));

@@ -75,8 +75,8 @@ public:
     double (*gasAlone() const)[4];                                    ///< see FixHotbedDrag::alone
     const double (*force() const)[3]; ///< all forces at the end of the last DEM step [N]
 
-    /// So many numbers of the host's go with each particle from now on, from rank to rank, not into restart files; 0 for
-    /// a new particle.
+    /// So many numbers of the host's go with each particle from now on, from rank to rank, not into restart files; 0
+    /// for a new particle.
     void carry(int values);
     double* carried() const; ///< [size()][values]
     bool newParticles();     ///< whether there are such on this rank since it was asked last

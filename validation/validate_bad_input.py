@@ -34,7 +34,7 @@ BASE = {
     "timestep": "2.5e-6", "ratio": "2.5", "diameter": "5e-4", "density": "1040", "stiffness": "500", "restitution": "0.74 0.1",
     "initial_temperature": "363.15", "thermalCapacity": "779", "gravity": "9.81", "vector": "0.1 0.2 -1", "kn": "500",
     "coefficientRestitution": "0.74", "tangentialRestitution": "0.1", "coefficientFriction": "0.1", "etan": "7.87e-4",
-    "etat": "1.72e-3", "kt": "217.6", "vectorised": "on", "kernelWidth": "3", "kernelSamples": "2", "bedInterval": "10",
+    "etat": "1.72e-3", "kt": "217.6", "vectorised": "on", "kernelWidth": "3", "kernelSamples": "2", "bedInterval": "10", "closureCo": "0.1",
     "writeRestart": "yes", "exchange": "linear", "temperatureGradient": "on", "every": "1000",
 }
 DASHPOTS = ("etan", "etat", "kt")  # their scene has no restitutions

@@ -198,6 +198,7 @@ class InAndOut(SlimBedTest):
         # slow ones, so that others still answer as they did in an earlier gas step
         target = self.prepared("wait", REGION.format(more="").replace("0 0 8 region", "0 0 0.2 region") +
                                "\ndump fresh all custom 215 DEM/post/fresh*.txt id f_Nusselt\ndump_modify fresh sort id", endTime="0.003")
+        edit(target / "constant/couplingProperties", r"^kernelWidth", "closureCo 1;\nkernelWidth")
         self.solved(target)
         self.assertLess(evaluated((target / "log.hotbedFoam").read_text()), 0.7)
         # inserted in DEM step 201; the gas step in between begins at 210

@@ -31,13 +31,13 @@ class MovingBed(SlimBedTest):
     def test_heights_and_overlap(self):
         """Columns of bed.csv against the particles themselves; lines at the interval, sums over every step."""
         end = {"endTime": "0.00215", "writeInterval": "0.00215"}
-        every, _ = self.bed("every", edits=DUMP, **end)
-        tenth, _ = self.bed("tenth", edits=DUMP, interval=10, **end)
+        every, _ = self.bed("every", edits=TIGHT + DUMP, **end)
+        tenth, _ = self.bed("tenth", edits=TIGHT + DUMP, interval=10, **end)
         rows, few = results.bed(every), results.bed(tenth)
         np.testing.assert_allclose(few["time_s"], [*np.arange(1, 9) * 2.5e-4, 0.00215], rtol=1e-12)
         for name in ("z_mean_m", "overlap_max", "inflow_J", "exchanged_J", "budget_error"):
             np.testing.assert_array_equal(few[name], rows[name][[*range(9, 80, 10), 85]], name)
-        two = results.bed(self.bed("two", 2, DUMP, 10, **end)[0])
+        two = results.bed(self.bed("two", 2, TIGHT + DUMP, 10, **end)[0])
         for name in ("z_mean_m", "height_m", "overlap_max"):
             np.testing.assert_allclose(two[name], few[name], rtol=0, atol=2e-6, err_msg=name)
 
