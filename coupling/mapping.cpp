@@ -184,9 +184,12 @@ void Mapping::give(const ParticlePositions& particles, const Gift& gift, int fir
     for (int begin = first; begin < first + count; begin += part)
     {
         const int some = std::min(part, first + count - begin);
-        if (fields > 0) gift.give(begin, some, given_.data());
-        outgoing.upTo(begin + some, [&](std::size_t e, int i)
-                      { std::copy_n(&given_[std::size_t(i - begin) * fields], fields, &sendBuffer_[e * fields]); });
+        if (fields > 0)
+        {
+            gift.give(begin, some, given_.data());
+            outgoing.upTo(begin + some, [&](std::size_t e, int i)
+                          { std::copy_n(&given_[std::size_t(i - begin) * fields], fields, &sendBuffer_[e * fields]); });
+        }
         for (int k = 0; k < some; ++k) volume[k] = sphereVolume(particles.radius[begin + k]);
         gift.fill(some, particles.position + begin, volume, given_.data(),
                   &filled_[std::size_t(begin - first) * gift.sums]);
