@@ -111,7 +111,7 @@ HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const Seen& seen)
     for (int k = 0; k < count; ++k, answer += answerFields_)
     {
         // what comes is on its way by then: rows that are only written wait for the memory, too
-        __builtin_prefetch(answer + 64 * answerFields_, 1);
+        __builtin_prefetch(answer + ahead * answerFields_, 1);
         answer[0] = G[k];
         answer[1] = held[k];
     }
