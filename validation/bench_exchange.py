@@ -4,7 +4,7 @@ paper's bed at 10 DEM steps a gas step (2.5e-5 s), one rank. `./hotbed bench exc
 Each `l` goes on from the same bed after 0.05 s of a coupled run at the default settings (--quick: 0.02 s, `l` = 2.5 and 1.5
 alone), made once and kept in results/fluidized_bed/bench. Two runs from there, one longer than the other, give the time of the
 steps between, so the first steps are left out; output is left out, too. A figure is the median of several such pairs. Times are
-those of the table that closes each log.
+those of the table that closes each log. The same with closures in every gas step (`closureCo 0`) in turn, to compare with.
 """
 
 import argparse
@@ -28,17 +28,25 @@ def main():
     ratios, end, number = (("2.5", "1.5"), 0.02, 30) if options.quick else (("2.5", "2", "1.5", "1"), 0.05, 60)
     for l in ratios:
         source = paper_bed.start(l, end)
-        pairs = [paper_bed.a_gas_step(source, folder / f"l={l}", l, 2.5e-5, 10, number) for _ in range(3)]
+        pairs, each = [], []
+        for _ in range(3):
+            pairs.append(paper_bed.a_gas_step(source, folder / f"l={l}", l, 2.5e-5, 10, number))
+            each.append(paper_bed.a_gas_step(source, folder / f"l={l}", l, 2.5e-5, 10, number, closureCo="0"))
         phases = {name: float(np.median([pair[name] for pair in pairs])) for name in pairs[0]}
         particles = results.bed(source)["particles"][-1]
-        exchange = np.array([results.exchange_time(pair) for pair in pairs])
-        share = exchange / [results.loop_time(pair) - pair.get("output", 0.0) for pair in pairs]
         figures.note(f"l = {l}: simulated time at the start [s]", campaign.reached(source))
         for name in ("DEM", "gas"):
             figures.note(f"l = {l}: {name}, seconds a gas step", phases[name])
-        figures.note(f"l = {l}: between the two, nanoseconds a particle and gas step", float(np.median(exchange)) / particles * 1e9)
-        figures.note(f"l = {l}: spread of the share, largest less smallest", float(np.ptp(share)))
-        figures.add(f"l = {l}: share of weights, closures and exchange", np.median(share), 0.15)
+        for text, runs in ((", closures in every step", each), ("", pairs)):
+            exchange, share = np.array([(time, time / (results.loop_time(run) - run.get("output", 0.0)))
+                                        for run in runs for time in [results.exchange_time(run)]]).T
+            figures.note(f"l = {l}: between the two, nanoseconds a particle and gas step{text}", float(np.median(exchange)) / particles * 1e9)
+            figures.note(f"l = {l}: spread of the share, largest less smallest{text}", float(np.ptp(share)))
+            name = f"l = {l}: share of weights, closures and exchange{text}"
+            if text:
+                figures.note(name, float(np.median(share)))
+            else:
+                figures.add(name, np.median(share), 0.15)
     shutil.rmtree(folder, ignore_errors=True)
     sys.exit(figures.close())
 

@@ -18,7 +18,7 @@ def start(l, end):
     return run
 
 
-def a_gas_step(source, run, l, length, skip, number, ranks=1):
+def a_gas_step(source, run, l, length, skip, number, ranks=1, **settings):
     """Seconds of a gas step by phase.
 
     @param source  folder of `start`
@@ -26,10 +26,11 @@ def a_gas_step(source, run, l, length, skip, number, ranks=1):
     @param length  of the gas steps [s]
     @param skip    steps left out, together longer than half the last step of `source`, below which OpenFOAM ends at once
     @param number  steps with those
+    @param settings  others of the case
     """
     runs = []
     for steps in (skip, number):
         runs.append(run.with_name(f"{run.name},steps={steps}"))
-        campaign.branch(CASE, source, runs[-1], {"l": l, "deltaT": f"{length}", "maxDeltaT": f"{length}", "writeInterval": "1",
+        campaign.branch(CASE, source, runs[-1], {"l": l, "deltaT": f"{length}", "maxDeltaT": f"{length}", "writeInterval": "1", **settings,
                                                  "endTime": f"{campaign.reached(source) + steps * length:.10g}"}, ranks)
     return results.between(*runs)
