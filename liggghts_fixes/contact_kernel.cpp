@@ -205,9 +205,17 @@ inline Row row(const double (*numbers)[3], int i, double fourth, bool last)
     return __builtin_shuffle(r, Row{fourth, fourth, fourth, fourth}, Index{0, 1, 2, 4});
 }
 
+/// Particles further on are fetched: they come a block at a time, and the processor does not see so many arrays coming.
+constexpr int ahead = 64;
+
 /// Puts a particle into its row.
 template <bool friction> inline void enter(ContactRows& rows, int at, const ContactParticles& particles, int i)
 {
+    __builtin_prefetch(particles.x[i + ahead]);
+    __builtin_prefetch(particles.v[i + ahead]);
+    if (friction) __builtin_prefetch(particles.omega[i + ahead]);
+    __builtin_prefetch(particles.radius + i + ahead);
+    __builtin_prefetch(particles.mass + i + ahead);
     const bool last = i + 1 == particles.all;
     const double r = particles.radius[i];
     rows.place[at].center = row(particles.x, i, r, last);
@@ -220,6 +228,8 @@ template <bool friction> inline void enter(ContactRows& rows, int at, const Cont
 /// entry goes where the next particle's are set afterwards.
 template <bool friction> inline void leave(const Load& load, const ContactParticles& particles, int i, bool add)
 {
+    __builtin_prefetch(particles.force[i + ahead], 1);
+    __builtin_prefetch(particles.torque[i + ahead], 1);
     double *force = particles.force[i], *torque = particles.torque[i];
     if (!add && i + 1 < particles.local)
     {
