@@ -64,6 +64,7 @@ template <class Values, class = decltype(Values::low)> inline Values operator*(d
 /// into memory, after every operation.
 struct Narrow
 {
+    static constexpr int width = 4;
     using Lanes = double __attribute__((vector_size(32), may_alias)); ///< values of particles that lie side by side
     using Counts = int __attribute__((vector_size(16), may_alias));
     using Eight = Pair;
@@ -74,6 +75,7 @@ struct Narrow
 /// Processors with registers of eight numbers
 struct Wide
 {
+    static constexpr int width = 8;
     using Lanes = double __attribute__((vector_size(64), may_alias));
     using Counts = int __attribute__((vector_size(32), may_alias));
     using Eight = Values8;
@@ -164,7 +166,7 @@ public:
             return x < end_ ? x : end_;
         }
         Lanes x;
-        for (std::size_t i = 0; i < sizeof(Lanes) / sizeof(double); ++i)
+        for (int i = 0; i < Registers::width; ++i)
             x[i] = axis_.face[std::min(std::size_t(first_[i] + k), axis_.face.size() - 1)];
         return (x + shift_) * scale_;
     }
@@ -202,7 +204,7 @@ template <class Registers>
 inline void putAllMasses(const BoxAxis& axis, const double* inverse, int most, AxisGroup& g, double* mass, int stride)
 {
     using Lanes = typename Registers::Lanes;
-    constexpr int width = sizeof(Lanes) / sizeof(double);
+    constexpr int width = Registers::width;
     for (int r = 0; r < group; r += width)
     {
         const Lanes x = *reinterpret_cast<const Lanes*>(g.x + r), scale = *reinterpret_cast<const Lanes*>(inverse + r);
@@ -225,7 +227,7 @@ inline void appendAll(const std::array<BoxAxis, 3>& axis, int count, const doubl
                       const double* halfWidth, BoxWeights& weights, double* mass, double* centre, char* inside)
 {
     using Lanes = typename Registers::Lanes;
-    constexpr int width = sizeof(Lanes) / sizeof(double);
+    constexpr int width = Registers::width;
     if (weights.particles % group != 0)
         throw std::logic_error("box weights: more particles after a group that is not full");
     BoxWeights::Particle* p = weights.room(count);
