@@ -43,9 +43,11 @@ def main():
     for value in VALUES:
         log = (sets[value][0] / "log.hotbedFoam").read_text()
         part = re.search(r"closures evaluated +(\S+) %", log)
-        print(f"closureCo {value}, closures in {part[1] if part else 100} % of the steps: cooling from {START} to {END} s "
-              "%.4f K, Nusselt %.4f, pressure drop %.2f Pa, its deviation %.2f Pa" % tuple(rows[value].mean(axis=0)))
-    print("bar of a difference of two: %.4f K, %.4f, %.2f Pa, %.2f Pa" % tuple(campaign.bar(deviation, freedom, REPEATS, REPEATS)))
+        cooling, nusselt, drop, waves = rows[value].mean(axis=0)
+        print(f"closureCo {value}, closures in {part[1] if part else 100} % of the steps: cooling from {START} to {END} s {cooling:.4f} K, "
+              f"Nusselt {nusselt:.4f}, pressure drop {drop:.2f} Pa, its deviation {waves:.2f} Pa")
+    cooling, nusselt, drop, waves = campaign.bar(deviation, freedom, REPEATS, REPEATS)
+    print(f"bar of the difference of two: {cooling:.4f} K, {nusselt:.4f}, {drop:.2f} Pa, {waves:.2f} Pa")
 
 
 if __name__ == "__main__":
