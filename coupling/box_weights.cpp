@@ -221,6 +221,15 @@ inline void putAllMasses(const BoxAxis& axis, const double* inverse, int most, A
     }
 }
 
+/// Numbers of a group, where there may be less of them: compilers make slow string instructions of a plain copy.
+template <class Registers> inline void copy(const double* from, int count, double* to)
+{
+    using Eight = typename Registers::Eight;
+    int i = 0;
+    for (; i + 8 <= count; i += 8) *reinterpret_cast<Eight*>(to + i) = *reinterpret_cast<const Eight*>(from + i);
+    for (; i < count; ++i) to[i] = from[i];
+}
+
 /// @param inside  null: `append`; else `appendShares`, with what is elsewhere in `mass` and `centre`
 template <class Registers>
 inline void appendAll(const std::array<BoxAxis, 3>& axis, int count, const double (*position)[3],
@@ -237,10 +246,8 @@ inline void appendAll(const std::array<BoxAxis, 3>& axis, int count, const doubl
     {
         const int some = std::min(group, count - begin);
         for (int i = 0; i < some; ++i)
-        {
             for (int a = 0; a < 3; ++a) along[a].x[i] = position[begin + i][a];
-            n[i] = halfWidth[begin + i];
-        }
+        copy<Registers>(halfWidth + begin, some, n);
         for (int i = some; i < group; ++i) // the last group is filled up with its last particle
         {
             for (int a = 0; a < 3; ++a) along[a].x[i] = along[a].x[some - 1];
@@ -285,15 +292,15 @@ inline void appendAll(const std::array<BoxAxis, 3>& axis, int count, const doubl
                 masses[i] = in ? total : 1.0;
             }
             for (int i = 0; i < group; ++i) masses[i] = within[i] / masses[i];
-            std::copy_n(masses, some, mass + begin);
+            copy<Registers>(masses, some, mass + begin);
             for (int r = 0; r < group; r += width)
                 for (int k = 0; k < most[0]; ++k)
                     *reinterpret_cast<Lanes*>(to + (r / lanes * end + k) * lanes + r % lanes) *=
                         *reinterpret_cast<const Lanes*>(masses + r);
             continue;
         }
-        std::copy_n(masses, some, mass + begin);
-        std::copy_n(within, some, centre + begin);
+        copy<Registers>(masses, some, mass + begin);
+        copy<Registers>(within, some, centre + begin);
     }
 }
 
