@@ -32,7 +32,7 @@ struct CouplingSettings
     int bedInterval = 10;            ///< gas steps between lines of bed.csv
     bool writeRestart = true;        ///< at every write time
     bool linearExchange = true;      ///< heat exact for a gas temperature linear in time; else h A (T_gas' - T)
-    Foam::scalar closureCo = 0.1;    ///< Courant number up to which drag and heat transfer coefficients are kept
+    Foam::scalar closureCo = 0.2;    ///< Courant number up to which drag and heat transfer coefficients are kept
     bool temperatureGradient = true; ///< read the gas temperature at the particle, not at its cells' centres
 };
 
