@@ -200,10 +200,11 @@ void Coupling::setVoidage(const double* volumes, int stride)
 bool Coupling::keepAnswers(double courantRate)
 {
     const double dt = mesh_.time().deltaTValue(), part = settings_.closureCo;
+    if (!dem_.moving() || part == 0.0) return false;
     double largest[3] = {fastest_ / smallestCell_, 10.0 * stiffest_, dem_.newParticles() ? 1.0 : 0.0};
     MPI_Allreduce(MPI_IN_PLACE, largest, 3, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     const double more = dt * std::max({courantRate, largest[0], largest[1]});
-    const bool keep = dem_.moving() && dt == answersStep_ && largest[2] == 0.0 && sinceClosures_ + more <= part &&
+    const bool keep = dt == answersStep_ && largest[2] == 0.0 && sinceClosures_ + more <= part &&
                       std::abs(courantRate - courantThen_) <= part * courantThen_;
     sinceClosures_ = keep ? sinceClosures_ + more : more;
     if (!keep) courantThen_ = courantRate;

@@ -1,7 +1,7 @@
 #include "box_weights.hpp"
 
 #include "deen_kernel.hpp"
-#include "vectorised.hpp"
+#include "registers.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -14,93 +14,6 @@ namespace
 {
 
 constexpr int group = BoxWeights::group, lanes = BoxWeights::lanes;
-
-/// The values of a particle or a cell.
-using Values2 = double __attribute__((vector_size(16), aligned(8), may_alias));
-using Values4 = Row4;
-using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
-
-/// values in two, three or four registers
-struct Pair
-{
-    Values4 low, high;
-};
-
-struct Triple
-{
-    Pair low;
-    Values4 high;
-};
-
-struct Quad
-{
-    Pair low, high;
-};
-
-struct WideTriple
-{
-    Values8 low;
-    Values4 high;
-};
-
-struct WidePair
-{
-    Values8 low, high;
-};
-
-template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
-{
-    sum.low += values.low;
-    sum.high += values.high;
-    return sum;
-}
-
-template <class Values, class = decltype(Values::low)> inline Values operator*(double factor, const Values& values)
-{
-    return {factor * values.low, factor * values.high};
-}
-
-/// Processors with registers of four numbers. Those of eight are not just two of them: compilers put what does not fit
-/// into memory, after every operation.
-struct Narrow
-{
-    static constexpr int width = 4;
-    using Lanes = double __attribute__((vector_size(32), may_alias)); ///< values of particles that lie side by side
-    using Counts = int __attribute__((vector_size(16), may_alias));
-    using Eight = Pair;
-    using Twelve = Triple;
-    using Sixteen = Quad;
-};
-
-/// Processors with registers of eight numbers
-struct Wide
-{
-    static constexpr int width = 8;
-    using Lanes = double __attribute__((vector_size(64), may_alias));
-    using Counts = int __attribute__((vector_size(32), may_alias));
-    using Eight = Values8;
-    using Twelve = WideTriple;
-    using Sixteen = WidePair;
-};
-
-template <class Work> HOTBED_NARROW void withNarrow(const Work& work)
-{
-    work(Narrow{});
-}
-
-template <class Work> HOTBED_WIDE void withWide(const Work& work)
-{
-    work(Wide{});
-}
-
-/// work(Wide{}) or work(Narrow{}), compiled for the processor
-template <class Work> inline void withRegisters(const Work& work)
-{
-    if (wideRegisters())
-        withWide(work);
-    else
-        withNarrow(work);
-}
 
 /// A group of particles along one axis.
 struct AxisGroup
@@ -512,8 +425,9 @@ double BoxWeights::mass(int which) const
 namespace
 {
 
-/// work(value, slots), their types chosen by the number of fields and by whether slots and cells have the same numbers
-template <class Registers, class Work> inline void choose(int fields, const BoxWeights& weights, Work&& work)
+/// work(value, slots), their types chosen by the number of fields, by whether slots and cells have the same numbers,
+/// and by the processor
+template <class Work> inline void choose(int fields, const BoxWeights& weights, const Work& work)
 {
     const auto withSlots = [&](auto value)
     {
@@ -522,38 +436,33 @@ template <class Registers, class Work> inline void choose(int fields, const BoxW
         else
             work(value, AllSlots{});
     };
-    if (fields == 1) return withSlots(double{});
-    if (fields == 2) return withSlots(Values2{});
-    if (fields == 8) return withSlots(typename Registers::Eight{});
-    if (fields == 12) return withSlots(typename Registers::Twelve{});
-    if (fields == 16) return withSlots(typename Registers::Sixteen{});
-    throw std::invalid_argument("interpolate, deposit: 1, 2, 8, 12 or 16 fields at a time");
+    withRegisters(
+        [&](auto registers)
+        {
+            using Registers = decltype(registers);
+            if (fields == 1) return withSlots(double{});
+            if (fields == 2) return withSlots(Values2{});
+            if (fields == 8) return withSlots(typename Registers::Eight{});
+            if (fields == 12) return withSlots(typename Registers::Twelve{});
+            if (fields == 16) return withSlots(typename Registers::Sixteen{});
+            throw std::invalid_argument("interpolate, deposit: 1, 2, 8, 12 or 16 fields at a time");
+        });
 }
 
 } // namespace
 
 void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells, double* result)
 {
-    withRegisters(
-        [&](auto registers)
-        {
-            choose<decltype(registers)>(
-                fields, weights,
-                [&](auto value, auto slots)
-                { interpolateFields<decltype(value)>(weights, slots, first, count, cells, result); });
-        });
+    choose(fields, weights,
+           [&](auto value, auto slots)
+           { interpolateFields<decltype(value)>(weights, slots, first, count, cells, result); });
 }
 
 void deposit(int fields, const BoxWeights& weights, int first, int count, const double* particles, double* cells)
 {
-    withRegisters(
-        [&](auto registers)
-        {
-            choose<decltype(registers)>(
-                fields, weights,
-                [&](auto value, auto slots)
-                { depositFields<decltype(value)>(weights, slots, first, count, particles, cells); });
-        });
+    choose(fields, weights,
+           [&](auto value, auto slots)
+           { depositFields<decltype(value)>(weights, slots, first, count, particles, cells); });
 }
 
 } // namespace hotbed

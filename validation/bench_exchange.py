@@ -30,23 +30,22 @@ def main():
         source = paper_bed.start(l, end)
         pairs, each = [], []
         for _ in range(3):
-            pairs.append(paper_bed.a_gas_step(source, folder / f"l={l}", l, 2.5e-5, 10, number))
-            each.append(paper_bed.a_gas_step(source, folder / f"l={l}", l, 2.5e-5, 10, number, closureCo="0"))
+            for runs, settings in ((pairs, {}), (each, {"closureCo": "0"})):
+                runs.append(paper_bed.a_gas_step(source, folder / f"l={l}", l, 2.5e-5, 10, number, **settings))
         phases = {name: float(np.median([pair[name] for pair in pairs])) for name in pairs[0]}
         particles = results.bed(source)["particles"][-1]
         figures.note(f"l = {l}: simulated time at the start [s]", campaign.reached(source))
         for name in ("DEM", "gas"):
             figures.note(f"l = {l}: {name}, seconds a gas step", phases[name])
+        shares = []
         for text, runs in ((", closures in every step", each), ("", pairs)):
-            exchange, share = np.array([(time, time / (results.loop_time(run) - run.get("output", 0.0)))
-                                        for run in runs for time in [results.exchange_time(run)]]).T
+            exchange = np.array([results.exchange_time(run) for run in runs])
+            shares.append(exchange / [results.loop_time(run) - run.get("output", 0.0) for run in runs])
             figures.note(f"l = {l}: between the two, nanoseconds a particle and gas step{text}", float(np.median(exchange)) / particles * 1e9)
-            figures.note(f"l = {l}: spread of the share, largest less smallest{text}", float(np.ptp(share)))
-            name = f"l = {l}: share of weights, closures and exchange{text}"
-            if text:
-                figures.note(name, float(np.median(share)))
-            else:
-                figures.add(name, np.median(share), 0.15)
+            figures.note(f"l = {l}: spread of the share, largest less smallest{text}", float(np.ptp(shares[-1])))
+        name = f"l = {l}: share of weights, closures and exchange"
+        figures.note(f"{name}, closures in every step", float(np.median(shares[0])))
+        figures.add(name, np.median(shares[1]), 0.15)
     shutil.rmtree(folder, ignore_errors=True)
     sys.exit(figures.close())
 

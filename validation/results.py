@@ -88,6 +88,12 @@ def exchange_time(phases):
     return loop_time(phases) - phases["gas"] - phases["DEM"] - phases.get("output", 0.0)
 
 
+def evaluated(log):
+    """Part of the gas steps in which closures were evaluated. @param log  text of a log"""
+    found = re.search(r"closures evaluated +(\S+) % of the gas steps", log)
+    return float(found[1]) / 100 if found else 1.0
+
+
 def processor_times(log):
     """Processor seconds at the end of each time step, from the ExecutionTime lines of an OpenFOAM solver's log."""
     return [float(t) for t in re.findall(r"(?m)^ExecutionTime = (\S+) s", Path(log).read_text())]

@@ -1,6 +1,5 @@
 """Small coupled scenes for the tests, made from the fixed-bed example in a temporary folder."""
 
-import re
 import sys
 import tempfile
 import unittest
@@ -66,12 +65,6 @@ class SlimBedTest(CoupledTest):
         code, log = self.solve(target, ranks)
         self.assertEqual(code, 0, log[-2000:])
         return target, log
-
-
-def evaluated(log):
-    """Part of the gas steps in which closures were evaluated."""
-    found = re.search(r"closures evaluated +(\S+) % of the gas steps", log)
-    return float(found[1]) / 100 if found else 1.0
 
 
 def copy(source, target):

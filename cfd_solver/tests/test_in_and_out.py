@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from scenes import SlimBedTest, edit, evaluated, run  # first: it finds the modules below
+from scenes import SlimBedTest, edit, run  # first: it finds the modules below
 import results
 
 C_P = {1: 779.0, 2: 450.0}
@@ -200,7 +200,7 @@ class InAndOut(SlimBedTest):
                                "\ndump fresh all custom 215 DEM/post/fresh*.txt id f_Nusselt\ndump_modify fresh sort id", endTime="0.003")
         edit(target / "constant/couplingProperties", r"^kernelWidth", "closureCo 1;\nkernelWidth")
         self.solved(target)
-        self.assertLess(evaluated((target / "log.hotbedFoam").read_text()), 0.7)
+        self.assertLess(results.evaluated((target / "log.hotbedFoam").read_text()), 0.7)
         # inserted in DEM step 201; the gas step in between begins at 210
         rows = np.loadtxt(target / "DEM/post/fresh215.txt", skiprows=9)
         self.assertGreater(rows[:, 0].max(), 10)

@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from scenes import SlimBedTest, TIGHT, evaluated  # first: it finds the modules below
+from scenes import SlimBedTest, TIGHT  # first: it finds the modules below
 import results
 
 START = 0.002  # [s], gas and particles have met by then
@@ -23,7 +23,7 @@ class KeptAnswers(SlimBedTest):
         bed = results.bed(run)
         self.assertLess(bed["mismatch"].max(), 1e-13)
         self.assertLess(np.abs(bed["budget_error"]).max(), 1e-8)
-        return bed, np.loadtxt(run / "DEM/post/particles2400.txt", skiprows=9)[:, 1:], evaluated(log)
+        return bed, np.loadtxt(run / "DEM/post/particles2400.txt", skiprows=9)[:, 1:], results.evaluated(log)
 
     def test_they_err_less_than_steps_as_long(self):
         bed, particles, part = self.solved(0, "1e-5")

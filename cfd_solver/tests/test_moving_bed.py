@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 from scipy.spatial import cKDTree
 
-from scenes import DUMP, SlimBedTest, TIGHT, evaluated  # first: it finds the modules below
+from scenes import DUMP, SlimBedTest, TIGHT  # first: it finds the modules below
 import results
 
 class MovingBed(SlimBedTest):
@@ -68,7 +68,7 @@ class MovingBed(SlimBedTest):
         for name, (ranks, grid, edits) in runs.items():
             target, log = self.bed(name.replace("/", "_"), ranks, [*TIGHT, *DUMP, *edits, kept,
                 ("DEM/in.bed", r"^newton", f"processors {grid}\nnewton")], endTime=end)
-            self.assertLess(evaluated(log), 0.7)
+            self.assertLess(results.evaluated(log), 0.7)
             rows = np.loadtxt(target / "DEM/post/particles200.txt", skiprows=9)
             start = np.loadtxt(target / "DEM/post/particles0.txt", skiprows=9)
             order = start[np.lexsort(np.round(start[:, 1:4] * 1e6).T), 0].astype(int) - 1  # ids depend on the ranks

@@ -1,13 +1,12 @@
 #!/usr/bin/python3
 """What it does to a moving bed that particles answer to the gas as closures told some gas steps ago (`closureCo`): examples/slim_bed at
-`l = 2.5` with gas steps of 5e-5 s, answers kept twice as long as by default or not at all, three runs each that differ by a millionth of the gas
+`l = 2.5` with gas steps of 5e-5 s, answers kept as by default or not at all, three runs each that differ by a millionth of the gas
 velocity. Three minutes a run.
 
     ./hotbed --version >/dev/null   # builds
     /usr/bin/python3 validation/studies/kept_answers.py
 """
 
-import re
 import sys
 from pathlib import Path
 
@@ -41,10 +40,9 @@ def main():
     rows = {value: np.array([figures(run) for run in sets[value]]) for value in VALUES}
     deviation, freedom = campaign.spread(list(rows.values()))
     for value in VALUES:
-        log = (sets[value][0] / "log.hotbedFoam").read_text()
-        part = re.search(r"closures evaluated +(\S+) %", log)
+        part = results.evaluated((sets[value][0] / "log.hotbedFoam").read_text())
         cooling, nusselt, drop, waves = rows[value].mean(axis=0)
-        print(f"closureCo {value}, closures in {part[1] if part else 100} % of the steps: cooling from {START} to {END} s {cooling:.4f} K, "
+        print(f"closureCo {value}, closures in {part:.0%} of the steps: cooling from {START} to {END} s {cooling:.4f} K, "
               f"Nusselt {nusselt:.4f}, pressure drop {drop:.2f} Pa, its deviation {waves:.2f} Pa")
     cooling, nusselt, drop, waves = campaign.bar(deviation, freedom, REPEATS, REPEATS)
     print(f"bar of the difference of two: {cooling:.4f} K, {nusselt:.4f}, {drop:.2f} Pa, {waves:.2f} Pa")
