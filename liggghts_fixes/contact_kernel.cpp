@@ -55,10 +55,15 @@ constexpr Selection selections()
 
 constexpr Selection selection = selections();
 
+inline double* spring(const ContactPairs& pairs, const PairBlock& block, int p)
+{
+    return block.spring + std::ptrdiff_t(p) * pairs.stride;
+}
+
 /// Four pairs from `first` on, one of which is not in the state that is known: rare. @param now  bits of those that
 /// touch
-__attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& step, const Place* place, int first,
-                                      unsigned now)
+__attribute__((noinline)) void settle(ContactPairs& pairs, const PairBlock& block, const ContactStep& step,
+                                      const Place* place, int first, unsigned now)
 {
     unsigned char& contact = pairs.contact[first / 4];
     for (int k = 0; k < 4; ++k)
@@ -71,7 +76,7 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
         if (!touches && !(square < step.parted * between[3] * between[3])) continue;
         contact &= ~((TOUCHING | UNSETTLED) << k);
         if (touches) contact |= TOUCHING << k;
-        pairs.changed.push_back(p);
+        pairs.changed.push_back({block.flag + p, spring(pairs, block, p), touches});
     }
 }
 
@@ -79,46 +84,44 @@ __attribute__((noinline)) void settle(ContactPairs& pairs, const ContactStep& st
 /// the first is needed.
 void tell(ContactPairs& pairs, int flagBits)
 {
-    for (const int p : pairs.changed)
+    for (const ContactPairs::Change& change : pairs.changed)
     {
-        __builtin_prefetch(&pairs.flag[p]);
-        __builtin_prefetch(&pairs.spring[p]);
+        __builtin_prefetch(change.flag, 1);
+        __builtin_prefetch(change.spring, 1);
     }
-    for (const int p : pairs.changed)
+    for (const ContactPairs::Change& change : pairs.changed)
     {
-        __builtin_prefetch(pairs.flag[p], 1);
-        __builtin_prefetch(pairs.spring[p], 1);
-    }
-    for (const int p : pairs.changed)
-    {
-        const bool touches = pairs.contact[p / 4] >> p % 4 & TOUCHING;
-        *pairs.flag[p] = touches ? flagBits : 0; // no other bits: reading them first would wait
-        if (!touches) std::fill_n(pairs.spring[p], 3, 0.0);
+        *change.flag = change.touches ? flagBits : 0; // no other bits: reading them first would wait
+        if (!change.touches) std::fill_n(change.spring, 3, 0.0);
     }
     pairs.changed.clear();
 }
 
+/// Springs of pairs further on are fetched, so many that they have come when it is their turn.
+constexpr int springsAhead = 128;
+
 /// Looks through the pairs from p on until the batch is full. @return the next pair to look at
 template <bool friction>
-inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, const ContactRows& rows, int p, int end)
+inline int find(Batch& batch, ContactPairs& pairs, const PairBlock& block, const ContactStep& step,
+                const ContactRows& rows, int p)
 {
     const Place* place = rows.place.data();
     const int* first = pairs.i.data();
     const int* second = pairs.j.data();
     const unsigned char* contact = pairs.contact.data();
     std::size_t n = 0;
-    for (; p < end && n <= width - 4; p += 4)
+    for (; p < block.end && n <= width - 4; p += 4)
     {
+        if (friction)
+            for (const int k : {0, 2}) __builtin_prefetch(spring(pairs, block, p + springsAhead + k), 1);
         Row x[4];
         for (int k = 0; k < 4; ++k) x[k] = less(place[first[p + k]].center, place[second[p + k]].center);
         transpose(x[0], x[1], x[2], x[3]);
         const unsigned now = bits(x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < x[3] * x[3]);
         *reinterpret_cast<Four*>(&batch.pair[n]) = p + *reinterpret_cast<const Four*>(selection.which[now]);
         n += selection.count[now];
-        if (now != contact[p / 4]) settle(pairs, step, place, p, now);
+        if (now != contact[p / 4]) settle(pairs, block, step, place, p, now);
     }
-    if (friction)
-        for (std::size_t k = 0; k < n; ++k) __builtin_prefetch(pairs.spring[batch.pair[k]], 1);
     // the last four lanes that are used are full ones
     for (std::size_t k = n; k % 4 != 0; ++k) batch.pair[k] = int(pairs.i.size()) - 1;
     batch.n = int(n);
@@ -126,7 +129,8 @@ inline int find(Batch& batch, ContactPairs& pairs, const ContactStep& step, cons
 }
 
 template <bool friction>
-inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& step, const ContactRows& rows)
+inline void gather(Batch& batch, const ContactPairs& pairs, const PairBlock& block, const ContactStep& step,
+                   const ContactRows& rows)
 {
     const Place* place = rows.place.data();
     const Motion* motion = rows.motion.data();
@@ -161,12 +165,13 @@ inline void gather(Batch& batch, const ContactPairs& pairs, const ContactStep& s
     if (!friction) return;
     for (int k = 0; k < batch.n; ++k)
     {
-        const double* spring = pairs.spring[batch.pair[k]];
-        for (int a = 0; a < 3; ++a) batch.stretch[a][k] = spring[a];
+        const double* stretch = spring(pairs, block, batch.pair[k]);
+        for (int a = 0; a < 3; ++a) batch.stretch[a][k] = stretch[a];
     }
 }
 
-template <bool friction> inline void scatter(const Batch& batch, const ContactPairs& pairs, Load* load)
+template <bool friction>
+inline void scatter(const Batch& batch, const ContactPairs& pairs, const PairBlock& block, Load* load)
 {
     for (int k = 0; k < batch.n; k += 4)
     {
@@ -190,8 +195,8 @@ template <bool friction> inline void scatter(const Batch& batch, const ContactPa
     if (!friction) return;
     for (int k = 0; k < batch.n; ++k)
     {
-        double* spring = pairs.spring[batch.pair[k]];
-        for (int a = 0; a < 3; ++a) spring[a] = batch.stretch[a][k];
+        double* stretch = spring(pairs, block, batch.pair[k]);
+        for (int a = 0; a < 3; ++a) stretch[a] = batch.stretch[a][k];
     }
 }
 
@@ -267,10 +272,10 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
         }
         while (p < block.end)
         {
-            p = find<friction>(batch, pairs, step, rows, p, block.end);
-            gather<friction>(batch, pairs, step, rows);
+            p = find<friction>(batch, pairs, block, step, rows, p);
+            gather<friction>(batch, pairs, block, step, rows);
             law<Vector, friction>(batch, step.timestep);
-            scatter<friction>(batch, pairs, rows.load.data());
+            scatter<friction>(batch, pairs, block, rows.load.data());
         }
         for (; left < block.left; ++left)
         {
@@ -311,43 +316,87 @@ bool canVectorise()
     return __builtin_cpu_supports("x86-64-v3");
 }
 
-void ContactPairs::resize(int count)
+void ContactPairs::clear(int springStride)
 {
-    const std::size_t filled = (std::size_t(count) / 4 + 1) * 4; // one at least fills up
-    i.resize(filled);
-    j.resize(filled);
-    types.assign(filled, 0);
-    contact.assign(filled / 4, 0);
-    flag.resize(filled);
-    spring.assign(filled, nowhere);
+    i.clear();
+    j.clear();
+    contact.clear();
+    types.clear();
+    blocks.clear();
+    stride = springStride;
 }
 
-void arrange(ContactPairs& pairs, int count, int local, int all)
+namespace
 {
-    bool ordered = true; // as LIGGGHTS lists them
-    for (int p = 0; p < count; ++p)
-        ordered =
-            ordered && (p == 0 || pairs.i[p - 1] <= pairs.i[p]) && (pairs.j[p] >= local || pairs.j[p] > pairs.i[p]);
-    const int length = ordered ? blockPairs : std::max(count, 1);
-    pairs.blocks.clear();
-    pairs.ring = 1;
-    int entered = 0, left = 0;
-    for (int first = 0; first < count; first += length)
+
+constexpr int nowhere = -1;
+
+void append(ContactPairs& pairs, int first, int second, unsigned short type)
+{
+    if (pairs.i.size() % 4 == 0) pairs.contact.push_back(0);
+    pairs.i.push_back(first);
+    pairs.j.push_back(second);
+    pairs.types.push_back(type);
+}
+
+void fillUp(ContactPairs& pairs)
+{
+    while (pairs.i.size() % 4 != 0) append(pairs, nowhere, nowhere, 0);
+}
+
+} // namespace
+
+void ContactPairs::add(int first, int second, unsigned short type, unsigned known, int* flag, double* spring)
+{
+    const auto springOf = [this](std::size_t p) { return blocks.back().spring + std::ptrdiff_t(p) * stride; };
+    const std::size_t next = i.size();
+    if (blocks.empty() || int(next) - blocks.back().first == blockPairs || flag != blocks.back().flag + next ||
+        spring != springOf(next))
     {
-        const int end = std::min(first + length, count);
-        for (int p = first; p < end; ++p)
+        fillUp(*this);
+        const std::ptrdiff_t p = std::ptrdiff_t(i.size());
+        blocks.push_back({int(p), 0, 0, 0, flag - p, spring - p * stride});
+    }
+    append(*this, first, second, type);
+    contact.back() |= known << (i.size() - 1) % 4;
+}
+
+void arrange(ContactPairs& pairs, int local, int all)
+{
+    append(pairs, nowhere, nowhere, 0);
+    fillUp(pairs);
+    const int count = int(pairs.i.size()), blocks = int(pairs.blocks.size());
+    bool ordered = true; // as LIGGGHTS lists them
+    for (int p = 0, before = 0; p < count; ++p)
+    {
+        if (pairs.i[p] == nowhere) continue;
+        ordered = ordered && before <= pairs.i[p] && (pairs.j[p] >= local || pairs.j[p] > pairs.i[p]);
+        before = pairs.i[p];
+    }
+    pairs.ring = 1;
+    int entered = ordered ? 0 : local, left = 0;
+    for (int b = 0; b < blocks; ++b)
+    {
+        PairBlock& block = pairs.blocks[b];
+        const bool last = b + 1 == blocks;
+        block.end = last ? count : pairs.blocks[b + 1].first;
+        for (int p = block.first; p < block.end; ++p)
             entered = std::max({entered, pairs.i[p] + 1, pairs.j[p] < local ? pairs.j[p] + 1 : 0});
         pairs.ring = std::max(pairs.ring, entered - left);
-        left = end < count ? std::min(pairs.i[end], entered) : entered;
-        pairs.blocks.push_back({(end + 3) / 4 * 4, entered, left});
+        if (last)
+            left = entered;
+        else if (ordered)
+            left = std::min(pairs.i[block.end], entered);
+        block.entered = entered;
+        block.left = left;
     }
+    const int row = nowhereRow(pairs, local, all);
     for (int p = 0; p < count; ++p)
     {
-        pairs.i[p] %= pairs.ring;
-        pairs.j[p] = pairs.j[p] < local ? pairs.j[p] % pairs.ring : pairs.ring + pairs.j[p] - local;
+        const bool filled = pairs.i[p] == nowhere;
+        pairs.i[p] = filled ? row : pairs.i[p] % pairs.ring;
+        pairs.j[p] = filled ? row + 1 : pairs.j[p] < local ? pairs.j[p] % pairs.ring : pairs.ring + pairs.j[p] - local;
     }
-    std::fill(pairs.i.begin() + count, pairs.i.end(), nowhereRow(pairs, local, all));
-    std::fill(pairs.j.begin() + count, pairs.j.end(), nowhereRow(pairs, local, all) + 1);
 }
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows)

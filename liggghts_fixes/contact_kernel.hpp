@@ -25,30 +25,39 @@ enum Contact : unsigned char
     UNSETTLED = 16 ///< as left by a rebuild of the neighbour list: part of the flags set
 };
 
-/// Pairs that are looked through in one go
+/// Pairs that are looked through in one go, whose flags and springs lie one behind the other
 struct PairBlock
 {
-    int end;     ///< the pair behind its last one
-    int entered; ///< the local particle behind all that its pairs, and those before, are of
-    int left;    ///< the local particle before which all are done with after it
+    int first, end; ///< pairs, both multiples of four
+    int entered;    ///< the local particle behind all that its pairs, and those before, are of
+    int left;       ///< the local particle before which all are done with after it
+    int* flag;      ///< LIGGGHTS' contact flags: where that of the very first pair would be
+    double* spring; ///< and springs, likewise
 };
 
-/// The pairs of LIGGGHTS' neighbour list one after the other, from one rebuild to the next, looked at four at a time;
-/// behind them pairs of two particles that are nowhere, which fill up the last four.
+/// The pairs of LIGGGHTS' neighbour list one after the other, from one rebuild to the next, looked at four at a time.
+/// Among them, behind a block, and behind all are pairs of two particles that are nowhere, which fill up the last four.
 struct ContactPairs
 {
+    /// A pair whose flag and spring wait for the end of the step
+    struct Change
+    {
+        int* flag;
+        double* spring;
+        bool touches;
+    };
+
     std::vector<int> i, j;              ///< particles; from arrange() on their rows
     std::vector<unsigned char> contact; ///< of four pairs
     std::vector<unsigned short> types;  ///< which constants
-    std::vector<int*> flag;             ///< LIGGGHTS' contact flag and spring
-    std::vector<double*> spring;
-    std::vector<int> changed; ///< pairs whose flag and spring wait for the end of the step
     std::vector<PairBlock> blocks;
-    int ring = 1;           ///< rows of local particles; those of ghosts follow
-    double nowhere[3] = {}; ///< spring of pairs that fill up
+    std::vector<Change> changed;
+    int stride = 3; ///< from a spring to the next one
+    int ring = 1;   ///< rows of local particles; those of ghosts follow
 
-    /// Room for a number of pairs, which are apart, and for those that fill up.
-    void resize(int count);
+    void clear(int springStride);
+    /// @param known  bits of Contact
+    void add(int first, int second, unsigned short type, unsigned known, int* flag, double* spring);
 };
 
 /// LIGGGHTS' particles: local ones first, then ghosts
@@ -117,10 +126,9 @@ bool canVectorise();
 void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
                 const ContactConstants* constants, double timestep);
 
-/// Blocks and rows of pairs that are known by their particles yet, and pairs that fill up.
-/// @param count  of pairs
+/// Rows of pairs that are known by their particles yet: after the last one is added.
 /// @param local  particles, of `all`
-void arrange(ContactPairs& pairs, int count, int local, int all);
+void arrange(ContactPairs& pairs, int local, int all);
 
 void contactForces(const ContactParticles& particles, ContactPairs& pairs, const ContactStep& step, ContactRows& rows);
 

@@ -14,101 +14,6 @@ using namespace LAMMPS_NS;
 namespace
 {
 
-/// LIGGGHTS' particles: n x 3 arrays are one block
-struct Spheres
-{
-    int number;
-    double *x, *v, *f, *omega;
-    const double* torque;
-    const double* gas; ///< [N], null: none
-    const double* radius;
-    const double* mass;
-    const int* mask;
-};
-
-struct Step
-{
-    int groupbit;
-    double drift, kick, turn; ///< dt; of v by f/m and of omega by torque/(m r^2)
-    const double* gravity;    ///< [m/s2], null: f is complete
-};
-
-constexpr int width = 64;
-
-/// Square of the longest way of any particle along each axis, [width][3] [m2]
-using Peaks = double[3 * width];
-
-/// Particles from `start` on, `width` at most. What a particle has one of is written out for its three components, so
-/// that the loop over all components runs in vector registers.
-template <bool second, bool first> inline void block(const Spheres& p, const Step& step, int start, Peaks& peaks)
-{
-    const int n = std::min(width, p.number - start);
-    const double* __restrict mass = p.mass + start;
-    const double* __restrict radius = p.radius + start;
-    const int* __restrict mask = p.mask + start;
-    double kick[3 * width], turn[3 * width], weight[3 * width];
-    for (int i = 0; i < n; ++i)
-    {
-        const double in = mask[i] & step.groupbit ? 1.0 : 0.0;
-        const double k = in * (step.kick / mass[i]), t = in * (step.turn / (radius[i] * radius[i] * mass[i]));
-        for (int a = 0; a < 3; ++a) kick[3 * i + a] = k;
-        for (int a = 0; a < 3; ++a) turn[3 * i + a] = t;
-    }
-    const double none[3] = {};
-    const double* gravity = step.gravity ? step.gravity : none;
-    for (int i = 0; i < n; ++i)
-        for (int a = 0; a < 3; ++a) weight[3 * i + a] = mass[i] * gravity[a];
-    if (p.gas)
-        for (int k = 0; k < 3 * n; ++k) weight[k] += p.gas[3 * start + k];
-
-    double* __restrict x = p.x + 3 * start;
-    double* __restrict v = p.v + 3 * start;
-    double* __restrict f = p.f + 3 * start;
-    double* __restrict omega = p.omega + 3 * start;
-    const double* __restrict torque = p.torque + 3 * start;
-    double way[3 * width];
-    const double drift = step.drift;
-    for (int k = 0; k < 3 * n; ++k)
-    {
-        const double force = f[k] + weight[k];
-        const double push = kick[k] * force, spin = turn[k] * torque[k];
-        double velocity = v[k] + push, rotation = omega[k] + spin;
-        if (second && first)
-        {
-            velocity += push;
-            rotation += spin;
-        }
-        v[k] = velocity;
-        omega[k] = rotation;
-        if (first)
-        {
-            way[k] = (kick[k] > 0.0 ? drift : 0.0) * velocity;
-            x[k] += way[k];
-        }
-        else
-            f[k] = kick[k] > 0.0 ? force : f[k];
-    }
-    for (int k = 0; first && k < 3 * n; ++k) peaks[k] = std::max(peaks[k], way[k] * way[k]);
-}
-
-#define EVERY_PROCESSOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"), flatten))
-
-EVERY_PROCESSOR void firstHalf(const Spheres& p, const Step& step, Peaks& peaks)
-{
-    for (int start = 0; start < p.number; start += width) block<false, true>(p, step, start, peaks);
-}
-
-/// The complete force is left in f.
-EVERY_PROCESSOR void secondHalf(const Spheres& p, const Step& step, Peaks& peaks)
-{
-    for (int start = 0; start < p.number; start += width) block<true, false>(p, step, start, peaks);
-}
-
-EVERY_PROCESSOR void secondAndFirstHalf(const Spheres& p, const Step& step, Peaks& peaks)
-{
-    for (int start = 0; start < p.number; start += width) block<true, true>(p, step, start, peaks);
-}
-
 constexpr int never = std::numeric_limits<int>::max();
 
 } // namespace
@@ -187,7 +92,7 @@ bool FixNVESphereHotbed::seen() const
 
 void FixNVESphereHotbed::initial_integrate(int)
 {
-    if (!ahead_) integrate(FIRST);
+    if (!ahead_) integrate(hotbed::FIRST);
     ahead_ = false;
     delayCheck();
 }
@@ -212,31 +117,26 @@ void FixNVESphereHotbed::post_run()
 void FixNVESphereHotbed::final_integrate()
 {
     ahead_ = !seen();
-    integrate(ahead_ ? SECOND_AND_FIRST : SECOND);
+    integrate(ahead_ ? hotbed::SECOND_AND_FIRST : hotbed::SECOND);
 }
 
-void FixNVESphereHotbed::integrate(Half half)
+void FixNVESphereHotbed::integrate(hotbed::Half half)
 {
-    if (half != SECOND && neighbor->ago == 0) std::fill_n(way_, 3, 0.0);
+    if (half != hotbed::SECOND && neighbor->ago == 0) std::fill_n(way_, 3, 0.0);
     if (atom->nlocal == 0) return;
-    const bool loads = withGravity_ && half != FIRST;
-    const Spheres spheres = {atom->nlocal,
-                             atom->x[0],
-                             atom->v[0],
-                             atom->f[0],
-                             atom->omega[0],
-                             atom->torque[0],
-                             loads && drag_ ? drag_->force()[0] : nullptr,
-                             atom->radius,
-                             atom->rmass,
-                             atom->mask};
+    const bool loads = withGravity_ && half != hotbed::FIRST;
+    const hotbed::MovingParticles particles = {atom->nlocal,
+                                               atom->x[0],
+                                               atom->v[0],
+                                               atom->f[0],
+                                               atom->omega[0],
+                                               atom->torque[0],
+                                               loads && drag_ ? drag_->force()[0] : nullptr,
+                                               atom->radius,
+                                               atom->rmass,
+                                               atom->mask};
     const double inertia = domain->dimension == 2 ? 0.5 : 0.4; // of a disc, of a sphere, over m r^2
-    const Step step = {groupbit, dtv, dtf, dtf / inertia, loads ? gravity_ : nullptr};
-    Peaks peaks = {};
-    half == FIRST    ? firstHalf(spheres, step, peaks)
-    : half == SECOND ? secondHalf(spheres, step, peaks)
-                     : secondAndFirstHalf(spheres, step, peaks);
-    double peak[3] = {};
-    for (int k = 0; k < 3 * width; ++k) peak[k % 3] = std::max(peak[k % 3], peaks[k]);
-    for (int a = 0; a < 3; ++a) way_[a] += std::sqrt(peak[a]);
+    double squared[3] = {};
+    hotbed::move(half, particles, {groupbit, dtv, dtf, dtf / inertia, loads ? gravity_ : nullptr}, squared);
+    for (int a = 0; a < 3; ++a) way_[a] += std::sqrt(squared[a]);
 }

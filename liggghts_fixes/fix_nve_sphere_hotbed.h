@@ -2,6 +2,8 @@
 
 #include "fix_nve_sphere.h"
 
+#include "motion_kernel.hpp"
+
 namespace LAMMPS_NS
 {
 
@@ -30,13 +32,7 @@ public:
     void stopAfter(bigint step) { stop_ = step; }
 
 private:
-    enum Half
-    {
-        FIRST,
-        SECOND,
-        SECOND_AND_FIRST
-    };
-    void integrate(Half half);
+    void integrate(hotbed::Half half);
     void delayCheck();
     bool seen() const;
 

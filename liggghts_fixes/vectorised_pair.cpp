@@ -128,28 +128,25 @@ void VectorisedPair::takeList(PairGran& pair)
     const int* type = lmp_.atom->type;
     const int types = lmp_.atom->ntypes;
     const int local = lmp_.atom->nlocal;
-    int count = 0;
-    for (int n = 0; n < list.inum; ++n) count += list.numneigh[list.ilist[n]];
-    pairs_.resize(count);
-    int p = 0;
+    pairs_.clear(pair.dnum());
     for (int n = 0; n < list.inum; ++n)
     {
         const int i = list.ilist[n];
-        for (int k = 0; k < list.numneigh[i]; ++k, ++p)
+        for (int k = 0; k < list.numneigh[i]; ++k)
         {
             const int j = list.firstneigh[i][k] & NEIGHMASK;
             const int bits = flag[i][k] & flagBits;
-            pairs_.i[p] = i;
-            pairs_.j[p] = j;
-            pairs_.flag[p] = &flag[i][k];
-            pairs_.spring[p] = history[i] + std::size_t(pair.dnum()) * k + offset_;
-            if (bits) pairs_.contact[p / 4] |= (bits == flagBits ? TOUCHING : UNSETTLED) << p % 4;
+            double* spring = history[i] + std::size_t(pair.dnum()) * k + offset_;
             // without friction nothing keeps the springs of an earlier run, or of the plain loop, up to date
-            if (bits && !friction_) std::fill_n(pairs_.spring[p], 3, 0.0);
-            pairs_.types[p] = (unsigned short)((type[i] - 1) * types + type[j] - 1);
+            if (bits && !friction_) std::fill_n(spring, 3, 0.0);
+            pairs_.add(i, j, (unsigned short)((type[i] - 1) * types + type[j] - 1),
+                       bits == 0          ? 0
+                       : bits == flagBits ? TOUCHING
+                                          : UNSETTLED,
+                       &flag[i][k], spring);
         }
     }
-    arrange(pairs_, count, local, local + lmp_.atom->nghost);
+    arrange(pairs_, local, local + lmp_.atom->nghost);
     stale_ = false;
 }
 

@@ -16,6 +16,9 @@ namespace hotbed
 namespace
 {
 
+/// Particles that are fetched before it is their turn
+constexpr int ahead = 32;
+
 using PlainWall = LIGGGHTS::Walls::Granular<ContactModel>;
 
 /// LIGGGHTS' own wall with the law, and the keyword
@@ -72,22 +75,29 @@ void VectorisedWall::post_force_primitive(int vflag)
         FixWallGran::post_force_primitive(vflag);
         return;
     }
-    double** history = fix_history_primitive_->array_atom;
     int* near = nullptr;
     const int count = primitiveWall_->getNeighbors(near);
+    if (count == 0) return;
+    const ContactParticles particles = contactParticles(*atom);
+    double* const springs = fix_history_primitive_->array_atom[0] + offset_;
+    const bool all = groupbit == 1, alike = constants_.size() == 1;
     contacts_.clear();
     for (int k = 0; k < count; ++k)
     {
+        const int soon = near[std::min(k + ahead, count - 1)]; // near particles lie anywhere in the memory
+        __builtin_prefetch(particles.x[soon]);
+        __builtin_prefetch(particles.radius + soon);
         const int i = near[k];
-        if (!(atom->mask[i] & groupbit)) continue;
-        double toWall[3];
-        if (primitiveWall_->resolveContact(x_[i], radius_[i], toWall) <= 0.0)
+        if (!all && !(atom->mask[i] & groupbit)) continue;
+        double* const spring = springs + std::size_t(dnum_) * i;
+        double x[3] = {particles.x[i][0], particles.x[i][1], particles.x[i][2]}, toWall[3];
+        if (primitiveWall_->resolveContact(x, particles.radius[i], toWall) <= 0.0)
             contacts_.push_back(
-                WallContact{{-toWall[0], -toWall[1], -toWall[2]}, history[i] + offset_, i, atom->type[i] - 1});
+                WallContact{{-toWall[0], -toWall[1], -toWall[2]}, spring, i, alike ? 0 : atom->type[i] - 1});
         else
-            std::fill_n(history[i] + offset_, 3, 0.0);
+            std::fill_n(spring, 3, 0.0);
     }
-    if (!contacts_.empty()) wallForces(contactParticles(*atom), contacts_, constants_.data(), update->dt);
+    if (!contacts_.empty()) wallForces(particles, contacts_, constants_.data(), update->dt);
 }
 
 } // namespace hotbed

@@ -7,6 +7,18 @@ namespace hotbed
 namespace
 {
 
+/// Fetches what a contact needs: its particle lies anywhere in the memory.
+inline void fetch(const ContactParticles& particles, const WallContact& contact)
+{
+    const int i = contact.particle;
+    __builtin_prefetch(particles.v[i]);
+    __builtin_prefetch(particles.omega[i]);
+    __builtin_prefetch(particles.mass + i);
+    __builtin_prefetch(contact.spring, 1);
+    __builtin_prefetch(particles.force[i], 1);
+    __builtin_prefetch(particles.torque[i], 1);
+}
+
 template <class Vector>
 inline void runWall(const ContactParticles& particles, const std::vector<WallContact>& contacts,
                     const ContactConstants* constants, double timestep)
@@ -14,12 +26,14 @@ inline void runWall(const ContactParticles& particles, const std::vector<WallCon
     Batch batch;
     fill(batch, constants[0]);
     const int count = int(contacts.size());
+    for (int k = 0; k < width && k < count; ++k) fetch(particles, contacts[k]);
     for (int start = 0; start < count; start += width)
     {
         const WallContact* contact = &contacts[start];
         const int n = count - start < width ? count - start : width;
         for (int k = 0; k < n; ++k)
         {
+            if (start + k + width < count) fetch(particles, contact[k + width]);
             const int i = contact[k].particle;
             const ContactConstants& c = constants[contact[k].type];
             for (int a = 0; a < 3; ++a)
