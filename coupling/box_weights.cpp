@@ -92,9 +92,10 @@ private:
 
 /// Sets the masses between faces, or adds to them.
 /// @param mass  [most][lanes], of the first particle
+/// @param next  from there to where those of the next group are likely to be put
 /// @return their sums
 template <bool add, class Registers>
-inline typename Registers::Lanes putMasses(const Faces<Registers>& face, int most, double* mass)
+inline typename Registers::Lanes putMasses(const Faces<Registers>& face, int most, double* mass, int next)
 {
     using Lanes = typename Registers::Lanes;
     const Lanes begin = deenMassBelow(face[0]);
@@ -102,6 +103,7 @@ inline typename Registers::Lanes putMasses(const Faces<Registers>& face, int mos
     for (int k = 0; k < most; ++k, mass += lanes)
     {
         const Lanes upper = deenMassBelow(face[k + 1]);
+        if (!add) __builtin_prefetch(mass + next, 1); // rows that are only written wait for the memory, too
         auto& to = *reinterpret_cast<Lanes*>(mass);
         to = add ? to + (upper - lower) : upper - lower;
         lower = upper;
@@ -123,13 +125,13 @@ inline void putAllMasses(const BoxAxis& axis, const double* inverse, int most, A
         const Lanes x = *reinterpret_cast<const Lanes*>(g.x + r), scale = *reinterpret_cast<const Lanes*>(inverse + r);
         const auto first = *reinterpret_cast<const typename Registers::Counts*>(g.first + r);
         double* to = mass + r / lanes * stride + r % lanes;
-        Lanes total = putMasses<false>(Faces<Registers>(axis, first, -x, scale), most, to);
+        Lanes total = putMasses<false>(Faces<Registers>(axis, first, -x, scale), most, to, stride * (group / lanes));
         std::uint64_t beyond = 0;
         if (axis.folded) std::memcpy(&beyond, g.beyond + r, width);
         for (int side = 0; beyond && side < 2; ++side)
             if (beyond & (0x0101010101010101u << side)) // and back into the domain
                 total += putMasses<true>(Faces<Registers>(axis, first, x - 2.0 * axis.wall[std::size_t(side)], scale),
-                                         most, to);
+                                         most, to, 0);
         *reinterpret_cast<Lanes*>(g.total + r) = total;
     }
 }
@@ -159,7 +161,10 @@ inline void appendAll(const std::array<BoxAxis, 3>& axis, int count, const doubl
     {
         const int some = std::min(group, count - begin);
         for (int i = 0; i < some; ++i)
+        {
+            __builtin_prefetch(position[begin + i + group]); // of the next group, in time
             for (int a = 0; a < 3; ++a) along[a].x[i] = position[begin + i][a];
+        }
         copy<Registers>(halfWidth + begin, some, n);
         for (int i = some; i < group; ++i) // the last group is filled up with its last particle
         {

@@ -10,7 +10,7 @@ namespace
 
 /// Particles further on are fetched, so many that they have come when it is their turn: the processor does not see so
 /// many arrays coming.
-constexpr int ahead = 128;
+constexpr int ahead = 64;
 
 template <class Vector> constexpr int lanes = int(sizeof(Vector) / sizeof(double));
 
@@ -67,6 +67,7 @@ inline void move(const MovingParticles& p, const MotionStep& step, const Vector*
             weight[k] += load<Vector>(p.gas + at);
         }
         const Vector before = load<Vector>(p.force + at), force = before + weight[k];
+        const Vector place = load<Vector>(p.x + at);
         const Vector push = kick[k] * force, spin = turn[k] * load<Vector>(p.torque + at);
         Vector velocity = load<Vector>(p.v + at) + push, rotation = load<Vector>(p.omega + at) + spin;
         if (second && first)
@@ -80,7 +81,7 @@ inline void move(const MovingParticles& p, const MotionStep& step, const Vector*
         if (first)
         {
             const Vector way = (moves ? Vector{} + step.drift : Vector{}) * velocity, square = way * way;
-            store<Vector>(p.x + at, load<Vector>(p.x + at) + way);
+            store<Vector>(p.x + at, place + way);
             peaks[k] = square > peaks[k] ? square : peaks[k];
         }
         else
