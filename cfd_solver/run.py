@@ -23,9 +23,12 @@ class CaseError(Exception):
     """A case that cannot be run; the text names file, key and mend."""
 
 
+LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
+
+
 def environment():
-    """Environment of OpenFOAM's programs and of mpirun, which refuses root and more ranks than cores otherwise. What the
-    user has set for Open MPI stands."""
+    """Environment of OpenFOAM's programs and of mpirun, which refuses root and more ranks than cores otherwise; large pages
+    for large arrays. What the user has set for Open MPI or the C library stands."""
     return {
         "OMPI_ALLOW_RUN_AS_ROOT": "1",
         "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -33,6 +36,7 @@ def environment():
         "OMPI_MCA_hwloc_base_binding_policy": "none",
         "OMPI_MCA_mpi_yield_when_idle": "1",
         "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+        **LARGE_PAGES,
         **os.environ,
         "WM_PROJECT_DIR": "/usr/share/openfoam",
     }
@@ -247,7 +251,7 @@ def keep(log):
 
 def mpirun(ranks):
     """The start of a command for a number of ranks, on the hosts that Open MPI is told of."""
-    return ["mpirun", "-np", str(ranks), "-x", "WM_PROJECT_DIR"]
+    return ["mpirun", "-np", str(ranks), "-x", "WM_PROJECT_DIR", "-x", "GLIBC_TUNABLES"]
 
 
 def start(run, ranks=1, log="log.hotbedFoam", own_session=False):

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SLIM_BED = ROOT / "examples" / "slim_bed"
 sys.path.insert(0, str(ROOT / "cfd_solver"))
 import campaign
-from run import read_settings
+from run import LARGE_PAGES, read_settings
 
 LIBRARY = Path(os.environ.get("HOTBED_BUILD", ROOT / "build")) / "liggghts_fixes" / "libhotbed_liggghts.so"
 DIAMETER, DENSITY, KN, EN, ET, FRICTION = 5e-4, 1040.0, 500.0, 0.74, 0.1, 0.1  # of the original particles
@@ -106,7 +106,7 @@ def liggghts(folder, name, text, ranks):
     if ranks > 1:
         command = ["mpirun", "--allow-run-as-root", "-np", str(ranks), *command]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace",
-                          env=dict(os.environ, LD_PRELOAD=str(LIBRARY)))
+                          env={**LARGE_PAGES, **os.environ, "LD_PRELOAD": str(LIBRARY)})
     log = (folder / f"log.{name}").read_text(errors="replace")
     if done.returncode:
         sys.exit(f"liggghts failed in {folder}:\n{log[-2000:]}{done.stderr[-2000:]}")
