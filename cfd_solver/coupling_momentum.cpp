@@ -67,6 +67,13 @@ public:
         __builtin_prefetch(radius_ + k);
     }
 
+    /// What setGasForce reads and writes
+    void fetchForces(int k) const
+    {
+        __builtin_prefetch(force_[k], 1);
+        __builtin_prefetch(gasForce_[k], 1);
+    }
+
 private:
     const double *m_, *radius_;
     const double (*v_)[3], (*force_)[3], (*gasForce_)[3];
@@ -171,6 +178,7 @@ HOTBED_VECTORISED void Coupling::momentumToParticles(int first, int count, const
     for (int k = 0; k < count; ++k, read += readFields_)
     {
         particles.fetch(k + ahead);
+        particles.fetchForces(k + ahead);
         const Push push = particles[k];
         const Row4 velocity = *reinterpret_cast<const Row4*>(read), gradient = *reinterpret_cast<const Row4*>(read + 3);
         const Row4 drag = push.G * velocity - push.c + push.volume * gradient;
