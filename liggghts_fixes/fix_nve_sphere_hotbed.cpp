@@ -14,21 +14,6 @@ using namespace LAMMPS_NS;
 namespace
 {
 
-/// What is sent of the particles near other ranks; protected in LIGGGHTS.
-struct Borders : Comm
-{
-    /// Fetches it: LIGGGHTS packs particle by particle, and each lies elsewhere in the memory.
-    static void fetch(const Comm& comm, const Atom& atom)
-    {
-        const int swaps = comm.*&Borders::nswap;
-        const int* sent = comm.*&Borders::sendnum;
-        const int* const* lists = comm.*&Borders::sendlist;
-        for (int s = 0; s < swaps; ++s)
-            for (int k = 0; k < sent[s]; ++k)
-                for (double** numbers : {atom.x, atom.v, atom.omega}) __builtin_prefetch(numbers[0] + 3 * lists[s][k]);
-    }
-};
-
 constexpr int never = std::numeric_limits<int>::max();
 
 } // namespace
@@ -109,7 +94,6 @@ void FixNVESphereHotbed::initial_integrate(int)
 {
     if (!ahead_) integrate(hotbed::FIRST);
     ahead_ = false;
-    if (comm->nprocs > 1 && atom->nlocal > 0) Borders::fetch(*comm, *atom);
     delayCheck();
 }
 
