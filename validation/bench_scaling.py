@@ -1,10 +1,11 @@
 """How the cost grows with particles and ranks. `./hotbed bench scaling [--quick]`; the figures of two ranks need two free
 cores.
 
-Contacts: beds of the paper's shape of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank, in turn, `run 100`
-as often as makes a time of it, since each `run` takes the list of pairs anew; a bed's time is the least of seven; the largest also twice at the same time, which tells what two ranks can gain on a machine
-that shares its memory. Coupled: the paper's bed, `l = 1.5`, gas steps of 40 DEM steps on one and two ranks in turn, from what
-a coupled run left at 0.05 s (made once and kept in results/fluidized_bed/bench), the first steps left out; from its lattice start bytes that a rank sends for the
+Contacts: beds of the paper's shape of 3,072 to 720,000 particles, LIGGGHTS with the contact law alone, one rank, in turn,
+`run 100` as often as makes a time of it, since each `run` takes the list of pairs anew; a bed's time is the least of seven; the
+largest also twice at the same time, which tells what two ranks can gain on a machine that shares its memory. Coupled: the
+paper's bed, `l = 1.5`, gas steps of 40 DEM steps on one and two ranks in turn, from what a coupled run left at 0.05 s (made
+once and kept in results/fluidized_bed/bench), the first steps left out; from its lattice start bytes that a rank sends for the
 exchange on 2, 4 and 8 ranks, and memory at `l = 1`. --quick leaves out the largest beds and takes `l = 2.5` at 0.02 s for the
 ranks.
 """
