@@ -23,6 +23,7 @@ class CaseError(Exception):
     """A case that cannot be run; the text names file, key and mend."""
 
 
+# of memory, which large arrays gain from where the system gives them to those who ask
 LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 
 
