@@ -39,35 +39,7 @@ KernelWidth kernel(const CouplingSettings& settings)
 /// whole registers, where it is more than a few values
 constexpr int padded(int fields)
 {
-    return fields <= 2 ? fields : fields <= 8 ? 8 : fields <= 12 ? 12 : 16;
-}
-
-/// Rows of what particles give to rows of what their cells sum up (cellSums_).
-template <bool push, bool heat>
-HOTBED_VECTORISED void fillAs(int count, const double (*__restrict position)[3], const double* __restrict volume,
-                              const double* __restrict given, double* __restrict sums)
-{
-    constexpr int heatAt = push ? 5 : 1, givenFields = heatAt + (heat ? 4 : 0);
-    constexpr int volumeAt = heatAt + (heat ? 7 : 0), sumFields = padded(volumeAt + 1);
-    for (int k = 0; k < count; ++k, given += givenFields, sums += sumFields)
-    {
-        sums[volumeAt] = volume[k];
-        if (!heat)
-        {
-            for (int f = 0; f < heatAt; ++f) sums[f] = given[f];
-            continue;
-        }
-        for (int f = 0; f < heatAt + 2; ++f) sums[f] = given[f];
-        const double *of = given + heatAt, *x = position[k];
-        double* to = sums + heatAt + 2;
-        to[0] = of[0] * of[2];
-        *reinterpret_cast<Row4*>(to + 1) = of[0] * Row4{of[3], x[0], x[1], x[2]};
-    }
-}
-
-void fillVolume(int count, const double (*)[3], const double* volume, const double*, double* sums)
-{
-    std::copy_n(volume, count, sums);
+    return fields <= 2 ? fields : fields <= 8 ? 8 : 12;
 }
 
 } // namespace
@@ -75,8 +47,8 @@ void fillVolume(int count, const double (*)[3], const double* volume, const doub
 Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& dem, Gas& gas, Timing& timing)
     : settings_(settings), mesh_(mesh), dem_(dem), gas_(gas), timing_(timing),
       heat_(settings.heatTransfer && dem.heat()), push_(dem.moving() && dem.drag()), heatAt_(push_ ? 5 : 1),
-      givenFields_(heatAt_ + (heat_ ? 4 : 0)), volumeAt_(heatAt_ + (heat_ ? 7 : 0)), sumFields_(padded(volumeAt_ + 1)),
-      readHeatAt_(push_ ? 6 : 0), readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), answerHeatAt_(push_ ? 2 : 1),
+      volumeAt_(heatAt_ + (heat_ ? 6 : 0)), sumFields_(padded(volumeAt_ + 1)), readHeatAt_(push_ ? 6 : 0),
+      readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), answerHeatAt_(push_ ? 2 : 1),
       answerFields_(answerHeatAt_ + (heat_ ? 2 : 0)), halfExtent_(mesh.nCells()),
       mapping_(MPI_COMM_WORLD, makeCells(settings)), cellSums_(std::size_t(mesh.nCells()) * sumFields_)
 {
@@ -147,7 +119,8 @@ void Coupling::map()
 {
     if (mapped_ && !dem_.moving()) return;
     cellValues_.assign(mesh_.nCells(), 0.0);
-    updateWeights({0, nullptr, 1, fillVolume}, cellValues_.data());
+    const Gift volume = {1, [this](int first, int count, double* given) { giveVolume(first, count, given, 1); }};
+    updateWeights(volume, cellValues_.data());
     setVoidage(cellValues_.data(), 1);
 }
 
@@ -219,17 +192,11 @@ void Coupling::particlesToGas(double courantRate)
     for (const label c : reached_) std::fill_n(&cellSums_[std::size_t(c) * sumFields_], sumFields_, 0.0);
     if (heat_) setReference();
     timing_.add("to gas: closures", 0); // the table lists the same on every rank, also on one without particles
-    const Gift gift = {givenFields_,
-                       [&](int first, int count, double* given)
+    const Gift gift = {sumFields_, [&](int first, int count, double* given)
                        {
                            if (keep) forgetOutside(first, count);
                            give(first, count, given);
-                       },
-                       sumFields_,
-                       push_ && heat_ ? fillAs<true, true>
-                       : push_        ? fillAs<true, false>
-                       : heat_        ? fillAs<false, true>
-                                      : fillAs<false, false>};
+                       }};
     if (keep) // without a look at the gas, so at once
     {
         updateWeights(gift, cellSums_.data());
@@ -251,7 +218,7 @@ void Coupling::particlesToGas(double courantRate)
                 const auto time = timing_.measure("to gas: closures");
                 closures(first, count, gas);
             },
-            particles(), gift, cellSums_.data());
+            gift, cellSums_.data());
     }
     if (heat_)
     {
@@ -298,14 +265,22 @@ void Coupling::forgetOutside(int first, int count)
         if (!inside[i]) std::fill_n(answers(i), answerFields_, 0.0);
 }
 
-/// What particles give in this step. @param given  [count][givenFields_]
+/// What particles give in this step. @param given  [count][sumFields_]
 void Coupling::give(int first, int count, double* given) const
 {
     if (push_)
         giveMomentum(first, count, given);
     else
-        for (int k = 0; k < count; ++k) given[std::size_t(k) * givenFields_] = answers(first + k)[0];
+        for (int k = 0; k < count; ++k) given[k * sumFields_] = answers(first + k)[0];
     if (heat_) giveHeat(first, count, given + heatAt_);
+    giveVolume(first, count, given + volumeAt_, sumFields_);
+}
+
+/// @param stride  from a particle's volume to that of the next one
+void Coupling::giveVolume(int first, int count, double* given, int stride) const
+{
+    const double* radius = dem_.radius() + first;
+    for (int k = 0; k < count; ++k) given[k * stride] = sphereVolume(radius[k]);
 }
 
 /// What particles read of the gas, by cell.

@@ -93,6 +93,7 @@ private:
     void heatOn(int first, int count, const Seen& seen);
     void forgetOutside(int first, int count);
     void give(int first, int count, double* given) const;
+    void giveVolume(int first, int count, double* given, int stride) const;
     void giveMomentum(int first, int count, double* given) const;
     void giveHeat(int first, int count, double* given) const;
     /// Cells that particles reach, so many at a time that what is known of them stays in the cache from one use to the
@@ -124,12 +125,10 @@ private:
     Timing& timing_;
     const bool heat_;
     const bool push_;
-    const int heatAt_; ///< where heat begins in what is given and in cellSums_; drag comes first
-    /// by particle, what it gives: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn; with heat_ G, X, T, decay,
-    /// see heatOn
-    const int givenFields_;
-    const int volumeAt_;   ///< where the particles' volume is in cellSums_
-    const int sumFields_;  ///< values of cellSums_ by cell
+    /// what a particle gives, and what cellSums_ has by cell: G [kg/s], with push_ c [N] (3), V held [m3], see dragOn;
+    /// with heat_, from heatAt_ on, G, X, G T, G x (3), see heatOn; at volumeAt_ its volume
+    const int heatAt_, volumeAt_;
+    const int sumFields_;  ///< values of that
     const int readHeatAt_; ///< where heat begins in what particles read after the gas step; momentum comes first
     const int readFields_; ///< values of that by cell
     /// by particle, its answer to the gas in a step of this length, carried by the DEM: B or, with push_, G, held, see
@@ -147,9 +146,9 @@ private:
     double courantThen_ = 0;            ///< rate of the gas when closures were evaluated [1/s]
     double sinceClosures_ = 0;          ///< Courant number since closures were evaluated
     double fastest_ = 0, stiffest_ = 0; ///< this rank's particles then: largest |v| [m/s], B/m [1/s]
-    CellValues cellSums_;   ///< by cell, summed with the weights: drag as given; G, X, G T, G decay, G x (3); volume
-    CellValues cellValues_; ///< what is read or summed up just now
-    std::vector<double> early_; ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
+    CellValues cellSums_;               ///< by cell, what particles give, summed with the weights
+    CellValues cellValues_;             ///< what is read or summed up just now
+    std::vector<double> early_;         ///< by cell: how much of the exchange sees the gas before the step, [0, 1]
     Foam::scalarField temperatureBefore_, specificHeat_; ///< of the gas, before its step
     double heatExchanged_ = 0;
     Foam::vector impulse_ = Foam::Zero, dragReceived_ = Foam::Zero; ///< [N s], [N]

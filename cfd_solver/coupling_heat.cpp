@@ -30,21 +30,21 @@ HOTBED_VECTORISED void Coupling::heatOn(int first, int count, const Seen& seen)
     }
 }
 
-/// Sets given: G, X, T from the reference on, decay.
+/// Sets given: G, X, G T from the reference on, G x (3).
 HOTBED_VECTORISED void Coupling::giveHeat(int first, int count, double* given) const
 {
     alignas(64) double mc[part];
     const double rate = 1.0 / mesh_.time().deltaTValue(), reference = gas_.exchange().reference;
-    const double* T = dem_.temperature() + first;
+    const double(*x)[3] = dem_.position() + first;
+    const double *T = dem_.temperature() + first, *answer = answers(first) + answerHeatAt_;
     dem_.heatCapacity(first, count, mc);
-    const double* answer = answers(first) + answerHeatAt_;
-    for (int k = 0; k < count; ++k, answer += answerFields_, given += givenFields_)
+    for (int k = 0; k < count; ++k, answer += answerFields_, given += sumFields_)
     {
         __builtin_prefetch(T + k + ahead);
-        given[0] = mc[k] * answer[0] * rate;
-        given[1] = mc[k] * answer[1] * rate;
-        given[2] = T[k] - reference;
-        given[3] = 1.0 - answer[0];
+        const double perShare = mc[k] * rate, G = perShare * answer[0];
+        given[0] = G;
+        given[1] = perShare * answer[1];
+        *reinterpret_cast<Row4*>(given + 2) = G * Row4{T[k] - reference, x[k][0], x[k][1], x[k][2]};
     }
 }
 
@@ -58,7 +58,7 @@ void Coupling::heatToGas(const label* cell, const label* end)
         const double* sum = &cellSums_[std::size_t(c) * sumFields_ + std::size_t(heatAt_)];
         const double G = sum[0], X = sum[1];
         const double capacity = gas_.mass()[c] * specificHeat_[c] * mesh_.V()[c];
-        early_[c] = X > 0.0 ? std::min(1.0, capacity / dt * (sum[3] / G) / X) : 0.0;
+        early_[c] = X > 0.0 ? std::min(1.0, capacity / dt * leastDecay(X / G) / X) : 0.0;
         exchange.conductance[c] = G - early_[c] * X;
         exchange.heatSource[c] = sum[2] - early_[c] * X * (temperatureBefore_[c] - exchange.reference);
     }
@@ -83,7 +83,7 @@ void Coupling::heatInCells(const label* cell, const label* end, const volVectorF
         f[4] = early_[c] * (temperatureBefore_[c] - T[c]);
         if (!slope || !(sum[0] > 0.0)) continue;
         vector gradient = (*slope)[c] / specificHeat_[c];
-        const vector centre = vector(sum[4], sum[5], sum[6]) / sum[0];
+        const vector centre = vector(sum[3], sum[4], sum[5]) / sum[0];
         scalar change = 0.0; // the most that a particle of this cell can be off its reading
         for (int a = 0; a < 3; ++a)
             change += mag(gradient[a]) * (widest_ + halfExtent_[c][a] + mag(centre[a] - mesh_.C()[c][a]));
@@ -105,7 +105,7 @@ HOTBED_VECTORISED void Coupling::heatToParticles(int first, int count, const dou
     const double reference = gas_.exchange().reference;
     const double(*x)[3] = dem_.position() + first;
     const double *T = dem_.temperature() + first, *answer = answers(first) + answerHeatAt_;
-    double mc[Mapping::block], received[Mapping::block], sum = 0.0, exchanged = 0.0;
+    double mc[Mapping::block], change[Mapping::block], sum = 0.0, exchanged = 0.0;
     dem_.heatCapacity(first, count, mc);
     for (int k = 0; k < count; ++k, read += readFields_, answer += answerFields_)
     {
@@ -113,14 +113,14 @@ HOTBED_VECTORISED void Coupling::heatToParticles(int first, int count, const dou
         __builtin_prefetch(T + k + ahead);
         const double* r = read + readHeatAt_; // T - grad T . x, grad T, what the early share adds
         const double gas = r[0] + r[1] * x[k][0] + r[2] * x[k][1] + r[3] * x[k][2];
-        const double heat = mc[k] * (answer[0] * (gas - (T[k] - reference)) + answer[1] * r[4]);
-        received[k] = heat;
+        change[k] = answer[0] * (gas - (T[k] - reference)) + answer[1] * r[4];
+        const double heat = mc[k] * change[k];
         sum += heat;
         exchanged += std::abs(heat);
     }
     heatReceived_ += sum;
     heatExchanged_ += exchanged;
-    dem_.receive(first, count, received);
+    dem_.warm(first, count, change);
 }
 
 void Coupling::heatMismatch()

@@ -124,10 +124,11 @@ HOTBED_VECTORISED void Coupling::dragOn(int first, int count, const Seen& seen)
     }
 }
 
+/// Sets given: G, c (3), V held.
 HOTBED_VECTORISED void Coupling::giveMomentum(int first, int count, double* given) const
 {
     const Pushed particles(dem_, answers(first), answerFields_, first);
-    for (int k = 0; k < count; ++k, given += givenFields_)
+    for (int k = 0; k < count; ++k, given += sumFields_)
     {
         particles.fetch(k + ahead);
         const Push push = particles[k];

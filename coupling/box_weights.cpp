@@ -243,6 +243,30 @@ struct Product
     const double *x, *y, *z;
 };
 
+/// Weights along an axis: in registers where their number is a constant.
+template <class Number> class Few
+{
+public:
+    Few(const double* weights, Number) : weights_(weights) {}
+    double operator[](int i) const { return weights_[i * lanes]; }
+
+private:
+    const double* weights_;
+};
+
+template <int n> class Few<std::integral_constant<int, n>>
+{
+public:
+    Few(const double* weights, std::integral_constant<int, n>)
+    {
+        for (int i = 0; i < n; ++i) weights_[i] = weights[i * lanes];
+    }
+    double operator[](int i) const { return weights_[i]; }
+
+private:
+    double weights_[n];
+};
+
 /// visit(particle, its weights) for `count` particles from the first one on
 template <class Visit> inline void forEach(const BoxWeights& weights, int first, int count, Visit&& visit)
 {
@@ -289,6 +313,7 @@ inline void interpolateFields(const BoxWeights& weights, Slots slots, int first,
         withCounts<Slots>(p,
                           [&](auto nx, auto ny)
                           {
+                              const Few x(w.x, nx), y(w.y, ny);
                               Value sum = {};
                               for (int k = 0, slot = p.slot; k < p.count[2]; ++k, slot += layer)
                               {
@@ -299,9 +324,9 @@ inline void interpolateFields(const BoxWeights& weights, Slots slots, int first,
                                       for (int i = 0; i < nx; ++i)
                                       {
                                           const int cell = slots.cell(slot + j * row + i);
-                                          if (slots.has(cell)) line += w.x[i * lanes] * values[cell];
+                                          if (slots.has(cell)) line += x[i] * values[cell];
                                       }
-                                      plane += w.y[j * lanes] * line;
+                                      plane += y[j] * line;
                                   }
                                   sum += w.z[k * lanes] * plane;
                               }
@@ -324,16 +349,17 @@ inline void depositFields(const BoxWeights& weights, Slots slots, int first, int
         withCounts<Slots>(p,
                           [&](auto nx, auto ny)
                           {
+                              const Few x(w.x, nx), y(w.y, ny);
                               for (int k = 0, slot = p.slot; k < p.count[2]; ++k, slot += layer)
                               {
                                   const Value plane = w.z[k * lanes] * value;
                                   for (int j = 0; j < ny; ++j)
                                   {
-                                      const Value line = w.y[j * lanes] * plane;
+                                      const Value line = y[j] * plane;
                                       for (int i = 0; i < nx; ++i)
                                       {
                                           const int cell = slots.cell(slot + j * row + i);
-                                          if (slots.has(cell)) sums[cell] += w.x[i * lanes] * line;
+                                          if (slots.has(cell)) sums[cell] += x[i] * line;
                                       }
                                   }
                               }
@@ -449,8 +475,7 @@ template <class Work> inline void choose(int fields, const BoxWeights& weights, 
             if (fields == 2) return withSlots(Values2{});
             if (fields == 8) return withSlots(typename Registers::Eight{});
             if (fields == 12) return withSlots(typename Registers::Twelve{});
-            if (fields == 16) return withSlots(typename Registers::Sixteen{});
-            throw std::invalid_argument("interpolate, deposit: 1, 2, 8, 12 or 16 fields at a time");
+            throw std::invalid_argument("interpolate, deposit: 1, 2, 8 or 12 fields at a time");
         });
 }
 

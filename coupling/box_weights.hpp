@@ -85,14 +85,14 @@ struct BoxWeights
 };
 
 /// Weighted sum of cell values for some of the particles.
-/// @param fields  values per cell: 1, 2, 8, 12 or 16
+/// @param fields  values per cell: 1, 2, 8 or 12
 /// @param first   the first of `count` particles
 /// @param cells   [cells][fields]
 /// @param result  [count][fields], set
 void interpolate(int fields, const BoxWeights& weights, int first, int count, const double* cells, double* result);
 
 /// Adds weight times particle value to the cells.
-/// @param fields     values per particle: 1, 2, 8, 12 or 16
+/// @param fields     values per particle: 1, 2, 8 or 12
 /// @param first      the first of `count` particles
 /// @param particles  [count][fields]
 /// @param cells      [cells][fields], added to

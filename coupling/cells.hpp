@@ -46,7 +46,7 @@ public:
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(int first, int count, const double* factor) = 0;
 
-    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 8, 12 or 16 fields. What they read is
+    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 8 or 12 fields. What they read is
     /// what `read` makes of the cells' values; what they add to is what `sums` gives, and `passOn` brings it to the
     /// cells.
     virtual void interpolate(int fields, int first, int count, const double* read, double* particles) const = 0;

@@ -97,7 +97,7 @@ void Mapping::route(const ParticlePositions& particles)
     guests_ = receiveStart_.back();
 }
 
-/// Sets the weights of the guests, as kernel masses.
+/// Sets the kernel masses of the guests.
 /// @return for each entry sent: kernel mass on that rank, and 1 where it holds the centre; until the next message
 const double* Mapping::receiveGuests(const ParticlePositions& particles)
 {
@@ -111,18 +111,16 @@ const double* Mapping::receiveGuests(const ParticlePositions& particles)
     const std::size_t n = std::size_t(guests_);
     receiveBuffer_.resize(n * 4);
     exchange(4, sendBuffer_.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
-    guestPosition_.resize(n);
-    guestVolume_.resize(n);
+    std::vector<Point> position(n);
     std::vector<double> halfWidth(n), mass(n), centre(n), found(n * 2);
     for (std::size_t k = 0; k < n; ++k)
     {
         const double* guest = &receiveBuffer_[k * 4];
-        std::copy_n(guest, 3, guestPosition_[k].begin());
-        guestVolume_[k] = sphereVolume(guest[3]);
+        std::copy_n(guest, 3, position[k].begin());
         halfWidth[k] = particles.kernel.half(guest[3]);
     }
-    guestWeights_->append(guests_, reinterpret_cast<const double(*)[3]>(guestPosition_.data()), halfWidth.data(),
-                          mass.data(), centre.data());
+    guestWeights_->append(guests_, reinterpret_cast<const double(*)[3]>(position.data()), halfWidth.data(), mass.data(),
+                          centre.data());
     for (std::size_t k = 0; k < n; ++k)
     {
         found[2 * k] = mass[k];
@@ -139,7 +137,7 @@ void Mapping::update(const ParticlePositions& particles, const Gift* gift, doubl
     guestWeights_->clear();
     route(particles);
     const double* found = receiveGuests(particles);
-    std::vector<double> factors(sendParticle_.size());
+    sendFactor_.resize(sendParticle_.size());
     Guests incoming(*this), outgoing(*this), givers(*this);
     double* sums = gift ? weights_->sums(gift->sums, cellSums) : nullptr;
     double halfWidth[block], mass[block], centre[block], widest = 0.0;
@@ -161,56 +159,41 @@ void Mapping::update(const ParticlePositions& particles, const Gift* gift, doubl
                           centre[i - first] += found[2 * e + 1];
                       });
         weights_->appendShares(count, particles.position + first, halfWidth, mass, centre, inside_.data() + first);
-        outgoing.upTo(first + count, [&](std::size_t e, int i) { factors[e] = mass[i - first]; });
-        if (gift) give(particles, *gift, first, count, givers, sums);
+        outgoing.upTo(first + count, [&](std::size_t e, int i) { sendFactor_[e] = mass[i - first]; });
+        if (gift) give(*gift, first, count, givers, sums);
     }
     widest_ = widest;
-    receiveBuffer_.resize(std::size_t(guests_));
-    exchange(1, factors.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
-    guestWeights_->scale(0, guests_, receiveBuffer_.data());
     if (gift) giveGuests(*gift, sums, cellSums);
 }
 
 /// What a block of this rank's particles gives to its cells, and to the messages to other ranks (sendBuffer_).
-void Mapping::give(const ParticlePositions& particles, const Gift& gift, int first, int count, Guests& outgoing,
-                   double* sums)
+void Mapping::give(const Gift& gift, int first, int count, Guests& outgoing, double* sums)
 {
     constexpr int part = Gift::part;
-    const std::size_t fields = std::size_t(gift.fields);
+    const std::size_t fields = std::size_t(gift.sums);
     sendBuffer_.resize(sendParticle_.size() * fields);
     given_.resize(part * fields);
-    filled_.resize(std::size_t(block) * gift.sums);
-    double volume[part];
-    for (int begin = first; begin < first + count; begin += part)
+    for (const int end = first + count; first < end; first += part)
     {
-        const int some = std::min(part, first + count - begin);
-        if (fields > 0)
-        {
-            gift.give(begin, some, given_.data());
-            outgoing.upTo(begin + some, [&](std::size_t e, int i)
-                          { std::copy_n(&given_[std::size_t(i - begin) * fields], fields, &sendBuffer_[e * fields]); });
-        }
-        for (int k = 0; k < some; ++k) volume[k] = sphereVolume(particles.radius[begin + k]);
-        gift.fill(some, particles.position + begin, volume, given_.data(),
-                  &filled_[std::size_t(begin - first) * gift.sums]);
+        const int some = std::min(part, end - first);
+        gift.give(first, some, given_.data());
+        outgoing.upTo(first + some,
+                      [&](std::size_t e, int i)
+                      {
+                          const double* values = &given_[std::size_t(i - first) * fields];
+                          for (std::size_t f = 0; f < fields; ++f)
+                              sendBuffer_[e * fields + f] = sendFactor_[e] * values[f];
+                      });
+        weights_->deposit(gift.sums, first, some, given_.data(), sums);
     }
-    weights_->deposit(gift.sums, first, count, filled_.data(), sums);
 }
 
 /// What guests give, once all of this rank's particles have given.
 void Mapping::giveGuests(const Gift& gift, double* sums, double* cellSums)
 {
-    const std::size_t fields = std::size_t(gift.fields);
-    receiveBuffer_.resize(std::size_t(guests_) * fields);
-    if (fields > 0) exchange(gift.fields, sendBuffer_.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
-    filled_.resize(std::size_t(block) * gift.sums);
-    for (int first = 0; first < guests_; first += block)
-    {
-        const int count = std::min(block, guests_ - first);
-        gift.fill(count, reinterpret_cast<const double(*)[3]>(guestPosition_.data()) + first, &guestVolume_[first],
-                  receiveBuffer_.data() + std::size_t(first) * fields, filled_.data());
-        guestWeights_->deposit(gift.sums, first, count, filled_.data(), sums);
-    }
+    receiveBuffer_.resize(std::size_t(guests_) * std::size_t(gift.sums));
+    exchange(gift.sums, sendBuffer_.data(), sendStart_, receiveBuffer_.data(), receiveStart_);
+    guestWeights_->deposit(gift.sums, 0, guests_, receiveBuffer_.data(), sums);
     weights_->passOn(gift.sums, cellSums);
 }
 
@@ -262,14 +245,14 @@ void Mapping::interpolate(int fields, const double* cellValues, const Use& use)
                       [&](std::size_t e, int i)
                       {
                           double* values = &partial_[std::size_t(i - first) * fields];
-                          for (int f = 0; f < fields; ++f) values[f] += found[e * std::size_t(fields) + f];
+                          for (int f = 0; f < fields; ++f)
+                              values[f] += sendFactor_[e] * found[e * std::size_t(fields) + f];
                       });
         use(first, count, partial_.data());
     }
 }
 
-void Mapping::answer(int fields, const double* cellValues, const Use& use, const ParticlePositions& particles,
-                     const Gift& gift, double* cellSums)
+void Mapping::answer(int fields, const double* cellValues, const Use& use, const Gift& gift, double* cellSums)
 {
     double* sums = weights_->sums(gift.sums, cellSums);
     Guests outgoing(*this);
@@ -277,7 +260,7 @@ void Mapping::answer(int fields, const double* cellValues, const Use& use, const
                 [&](int first, int count, const double* values)
                 {
                     use(first, count, values);
-                    give(particles, gift, first, count, outgoing, sums);
+                    give(gift, first, count, outgoing, sums);
                 });
     giveGuests(gift, sums, cellSums);
 }

@@ -42,17 +42,10 @@ struct ParticlePositions
 struct Gift
 {
     static constexpr int part = 256; ///< particles at a time, at most: few enough to stay in the nearest cache
-    /// Sets what particles of this rank give, [count][fields].
+    /// Sets what particles of this rank add to the sums, [count][sums].
     using Give = std::function<void(int first, int count, double* given)>;
-    /// Sets what particles, also of other ranks, add to sums, [count][sums].
-    /// @param volume  [m3]
-    /// @param given   [count][fields]
-    using Fill = std::function<void(int count, const double (*position)[3], const double* volume, const double* given,
-                                    double* values)>;
-    int fields; ///< 0: nothing
-    Give give;  ///< not called without fields
-    int sums;   ///< by cell: 1, 2, 8, 12 or 16
-    Fill fill;
+    int sums; ///< by cell: 1, 2, 8 or 12
+    Give give;
 };
 
 /// The one mapping between particles and cells, both ways (eq 4, 8): weights w_ic of particle i and cell c with
@@ -60,9 +53,10 @@ struct Gift
 ///
 /// Particles live on the ranks of the DEM, their home, cells on those of the gas; the two decompositions are
 /// independent. A rank holds the weights of its particles on its cells, where they lie. Of a particle whose kernel can
-/// reach the cells of another rank that one has a guest, with the weights on its cells; what guests read of the gas
-/// goes home, and what their particles give comes to them. So messages are per guest and between the ranks that need
-/// them, and nothing has the size of the whole system.
+/// reach the cells of another rank that one has a guest, with the kernel masses on its cells; what guests read of the
+/// gas goes home, and what their particles give comes to them. So messages are per guest and between the ranks that
+/// need them, and nothing has the size of the whole system. The factor that makes weights of a guest's masses stays at
+/// home: it is in what is sent, and what is received is multiplied by it.
 class Mapping
 {
 public:
@@ -86,18 +80,16 @@ public:
 
     /// Weighted means of cell values to the particles, a block of them at a time: few enough that these need not leave
     /// the (second) cache, enough that the processor sees the arrays that follow each other coming. Collective.
-    /// @param fields      values per cell: 1, 2, 8, 12 or 16
+    /// @param fields      values per cell: 1, 2, 8 or 12
     /// @param cellValues  [cells().size()][fields]
     static constexpr int block = 2048;
     using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
     void interpolate(int fields, const double* cellValues, const Use& use);
 
     /// The same, and what the particles answer to the cells, block by block. Collective.
-    /// @param use        called before its particles give
-    /// @param particles  as they were in `update`
-    /// @param cellSums   [cells().size()][gift.sums], added to
-    void answer(int fields, const double* cellValues, const Use& use, const ParticlePositions& particles,
-                const Gift& gift, double* cellSums);
+    /// @param use       called before its particles give
+    /// @param cellSums  [cells().size()][gift.sums], added to
+    void answer(int fields, const double* cellValues, const Use& use, const Gift& gift, double* cellSums);
 
 private:
     class Guests;
@@ -105,8 +97,7 @@ private:
     void route(const ParticlePositions& particles);
     const double* receiveGuests(const ParticlePositions& particles);
     const double* fromGuests(int fields, const double* guests);
-    void give(const ParticlePositions& particles, const Gift& gift, int first, int count, Guests& outgoing,
-              double* sums);
+    void give(const Gift& gift, int first, int count, Guests& outgoing, double* sums);
     void giveGuests(const Gift& gift, double* sums, double* cellSums);
     void exchange(int fields, const double* send, const std::vector<int>& sendStart, double* receive,
                   const std::vector<int>& receiveStart);
@@ -124,10 +115,9 @@ private:
     double widest_ = 0;
     std::vector<int> sendParticle_;             ///< particle of each entry sent: rank after rank, ascending for each
     std::vector<int> sendStart_, receiveStart_; ///< by rank
-    std::vector<Point> guestPosition_;
-    std::vector<double> guestVolume_;
+    std::vector<double> sendFactor_;            ///< of each entry sent: that makes weights of its kernel masses
     std::vector<char> inside_;
-    std::vector<double> sendBuffer_, receiveBuffer_, partial_, guestPartial_, given_, filled_;
+    std::vector<double> sendBuffer_, receiveBuffer_, partial_, guestPartial_, given_;
 };
 
 } // namespace hotbed

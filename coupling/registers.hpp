@@ -12,7 +12,7 @@ using Values2 = double __attribute__((vector_size(16), aligned(8), may_alias));
 using Values4 = Row4;
 using Values8 = double __attribute__((vector_size(64), aligned(8), may_alias));
 
-/// values in two, three or four registers
+/// values in two or three registers
 struct Pair
 {
     Values4 low, high;
@@ -24,20 +24,10 @@ struct Triple
     Values4 high;
 };
 
-struct Quad
-{
-    Pair low, high;
-};
-
 struct WideTriple
 {
     Values8 low;
     Values4 high;
-};
-
-struct WidePair
-{
-    Values8 low, high;
 };
 
 template <class Values, class = decltype(Values::low)> inline Values& operator+=(Values& sum, const Values& values)
@@ -61,7 +51,6 @@ struct Narrow
     using Counts = int __attribute__((vector_size(16), may_alias));
     using Eight = Pair;
     using Twelve = Triple;
-    using Sixteen = Quad;
 };
 
 /// Processors with registers of eight numbers
@@ -72,7 +61,6 @@ struct Wide
     using Counts = int __attribute__((vector_size(32), may_alias));
     using Eight = Values8;
     using Twelve = WideTriple;
-    using Sixteen = WidePair;
 };
 
 template <class Work> HOTBED_NARROW void withNarrow(const Work& work)

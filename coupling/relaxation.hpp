@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace hotbed
@@ -27,7 +28,17 @@ inline Relaxation relaxation(double stiffness)
     return {gain, b < 0.02 ? series : early};
 }
 
-/// The same for n particles at a time.
+/// Decay of particles of one stiffness from early/gain, or a bit less; of different ones from the mean of early/gain,
+/// never more than their mean decay. With L(x) = coth x - 1/x, Langevin's function, early/gain is (1 - L(b/2))/2, the
+/// inverse of L is at most y (3 - y^2)/(1 - y^2) (Cohen 1991), and decay is convex in early/gain.
+/// @param ratio  early over gain, sums with the same weights, (0, 1/2]
+inline double leastDecay(double ratio)
+{
+    const double y = std::max(1.0 - 2.0 * ratio, 0.0); // below 0 by round-off
+    return y < 1.0 ? std::exp(-2.0 * y * (3.0 - y * y) / ((1.0 - y) * (1.0 + y))) : 0.0;
+}
+
+/// The same as `relaxation` for n particles at a time.
 /// @param gain, early  set
 void relaxation(int n, const double* stiffness, double* gain, double* early);
 

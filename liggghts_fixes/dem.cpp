@@ -432,9 +432,9 @@ double Dem::thermalEnergy() const
     return instance_->heat->compute_scalar();
 }
 
-void Dem::receive(int first, int count, const double* heat)
+void Dem::warm(int first, int count, const double* change)
 {
-    instance_->heat->receive(first, count, heat);
+    instance_->heat->warm(first, count, change);
 }
 
 void Dem::advance(int steps)

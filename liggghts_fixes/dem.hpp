@@ -93,7 +93,7 @@ public:
     double* nusselt() const;                                         ///< [-]
     void heatCapacity(int first, int count, double* capacity) const; ///< m c [J/K] by particle, from the first on
     double thermalEnergy() const;                                    ///< sum of m c T over all ranks [J]; collective
-    void receive(int first, int count, const double* heat);          ///< [J] by particle, from the first of `count` on
+    void warm(int first, int count, const double* change);           ///< [K] by particle, from the first of `count` on
 
     /// Runs `steps` DEM steps, with the script's output. Where nothing moves only the output happens. A particle that
     /// blows up ends the process with LIGGGHTS' kind of message.

@@ -75,17 +75,17 @@ HOTBED_VECTORISED void FixHotbedHeat::heatCapacity(int first, int count, double*
     const double* ofType = capacity_->get_values() - 1;
     const double* mass = atom->rmass + first;
     const int* type = atom->type + first;
-    for (int i = 0; i < count; ++i) capacity[i] = mass[i] * ofType[type[i]];
+    if (atom->ntypes == 1)
+        for (int i = 0; i < count; ++i) capacity[i] = mass[i] * ofType[1];
+    else
+        for (int i = 0; i < count; ++i) capacity[i] = mass[i] * ofType[type[i]];
 }
 
-HOTBED_VECTORISED void FixHotbedHeat::receive(int first, int count, const double* heat)
+HOTBED_VECTORISED void FixHotbedHeat::warm(int first, int count, const double* change)
 {
     vector_atom = temperature();
     double* __restrict T = vector_atom + first;
-    const double* ofType = capacity_->get_values() - 1;
-    const double* mass = atom->rmass + first;
-    const int* type = atom->type + first;
-    for (int i = 0; i < count; ++i) T[i] += heat[i] / (mass[i] * ofType[type[i]]);
+    for (int i = 0; i < count; ++i) T[i] += change[i];
 }
 
 double FixHotbedHeat::compute_scalar()

@@ -7,7 +7,7 @@ namespace LAMMPS_NS
 
 /// fix ID group hotbed/heat initial_temperature T0
 /// Holds the particle temperature (property/atom Temp, restarted) and Nusselt number (property/atom Nusselt),
-/// receives the heat that the gas gives over a gas step and integrates m c dT/dt (eq 15, 22).
+/// which the gas changes once a gas step by what the exact solution of m c dT/dt (eq 15, 22) gives.
 class FixHotbedHeat : public Fix
 {
 public:
@@ -22,10 +22,9 @@ public:
     double* nusselt() const;                                         ///< [-], by local particle
     void heatCapacity(int first, int count, double* capacity) const; ///< m c of coarse particles [J/K]
 
-    /// T += heat / (m c)
-    /// @param first  local particle, the first of `count`
-    /// @param heat   [count], received since the last call [J]
-    void receive(int first, int count, const double* heat);
+    /// @param first   local particle, the first of `count`
+    /// @param change  [count], added to the temperature [K]
+    void warm(int first, int count, const double* change);
 
 private:
     class FixPropertyAtom* property(const char* name, const char* initial, bool ghosts);

@@ -125,19 +125,17 @@ std::vector<double> read(Mapping& mapping, int fields, const std::vector<double>
     return values;
 }
 
-/// A value of each particle, and its volume, to the cells.
+/// A value of each particle, and twice that, to the cells.
 /// @param sums  values by cell: 2, or more, which must stay 0
 Gift gift(const std::vector<double>& value, int sums)
 {
-    return {1, [&value](int first, int count, double* given) { std::copy_n(&value[std::size_t(first)], count, given); },
-            sums,
-            [sums](int count, const double(*)[3], const double* volume, const double* given, double* values)
+    return {sums, [&value, sums](int first, int count, double* given)
             {
-                std::fill_n(values, count * sums, 0.0);
+                std::fill_n(given, count * sums, 0.0);
                 for (int k = 0; k < count; ++k)
                 {
-                    values[k * sums] = given[k];
-                    values[k * sums + sums - 1] = volume[k];
+                    given[k * sums] = value[std::size_t(first + k)];
+                    given[k * sums + sums - 1] = 2.0 * given[k * sums];
                 }
             }};
 }
@@ -167,20 +165,20 @@ TEST_P(MappingOnRanks, WeightsSumToOneAndValuesAreThoseOfOneRank)
     for (const int id : p.id) value.push_back(1.0 + id % 13);
     for (const int id : all.id) allValue.push_back(1.0 + id % 13);
     const std::size_t cells = mine.boxes.size(), allCells = whole.boxes.size();
-    std::vector<double> sum(cells * 16), allSum(allCells * 16), answered(cells * 2), nothing(cells);
-    const Gift given = gift(value, 16), allGiven = gift(allValue, 16);
+    std::vector<double> sum(cells * 12), allSum(allCells * 12), answered(cells * 2), nothing(cells);
+    const Gift given = gift(value, 12), allGiven = gift(allValue, 12);
     parallel.update(p.view(), &given, sum.data());
     serial.update(all.view(), &allGiven, allSum.data());
     for (const char inside : parallel.inside()) EXPECT_TRUE(inside);
     for (std::size_t c = 0; c < cells; ++c)
-        for (std::size_t f = 0; f < 16; ++f)
-            EXPECT_NEAR(sum[c * 16 + f], allSum[std::size_t(mine.global[c]) * 16 + f], 1e-11);
+        for (std::size_t f = 0; f < 12; ++f)
+            EXPECT_NEAR(sum[c * 12 + f], allSum[std::size_t(mine.global[c]) * 12 + f], 1e-11);
 
     // the same where they give after they have read
     parallel.answer(
-        1, nothing.data(), [](int, int, const double*) {}, p.view(), gift(value, 2), answered.data());
+        1, nothing.data(), [](int, int, const double*) {}, gift(value, 2), answered.data());
     for (std::size_t c = 0; c < cells; ++c)
-        for (std::size_t f = 0; f < 2; ++f) EXPECT_NEAR(answered[c * 2 + f], sum[c * 16 + f * 15], 1e-11);
+        for (std::size_t f = 0; f < 2; ++f) EXPECT_NEAR(answered[c * 2 + f], sum[c * 12 + f * 11], 1e-11);
 
     const auto wholeField = cellField(whole), field = cellField(mine);
     const std::vector<double> expected = read(serial, 2, wholeField, all.x.size());

@@ -47,6 +47,34 @@ TEST(Relaxation, LinearGasIsExact)
     }
 }
 
+// by how much less is Cohen's error of the inverse of Langevin's function
+TEST(Relaxation, LeastDecayIsThatOfOneStiffness)
+{
+    EXPECT_EQ(hotbed::leastDecay(0.5), 1.0);
+    EXPECT_EQ(hotbed::leastDecay(1e-300), 0.0);
+    for (double b = 1e-9; b < 600; b *= 1.3)
+    {
+        const auto r = relaxation(b);
+        const double decay = std::exp(-b), least = hotbed::leastDecay(r.early / r.gain);
+        EXPECT_LE(least, decay * (1 + 1e-12)) << b;
+        EXPECT_GE(least, decay * (1 - 0.015 * std::min(1.0, b)) * (b < 2 ? 1 : 0.3)) << b;
+    }
+}
+
+TEST(Relaxation, LeastDecayOfDifferentOnesIsNotAboveTheirMean)
+{
+    for (double slow = 1e-4; slow < 100; slow *= 3)
+        for (double fast = slow; fast < 1000; fast *= 2)
+            for (const double part : {0.01, 0.3, 0.9})
+            {
+                const auto s = relaxation(slow), f = relaxation(fast);
+                const double gain = part * s.gain + (1 - part) * f.gain;
+                const double early = part * s.early + (1 - part) * f.early;
+                const double decay = (part * s.gain * (1 - s.gain) + (1 - part) * f.gain * (1 - f.gain)) / gain;
+                EXPECT_LE(hotbed::leastDecay(early / gain), decay + 1e-15) << slow << ' ' << fast << ' ' << part;
+            }
+}
+
 TEST(Relaxation, ManyAtATimeAreAsOne)
 {
     std::vector<double> all = {0.0, std::numeric_limits<double>::infinity()}, slow = {0.0}; // slow ones have a series
