@@ -2,6 +2,7 @@
 #include "fix_insert_stream.h"
 #include "vectorised_pair.hpp"
 
+#include "borders.hpp"
 #include "contact_constants.hpp"
 #include "contact_time.hpp"
 #include "integrate.h"
@@ -108,6 +109,7 @@ void VectorisedPair::init_granular()
     Modify& modify = *lmp_.modify;
     plain_ = !enabled_ || !canVectorise() || modify.n_fixes_style_strict("freeze") > 0 ||
              modify.n_fixes_style("insert/stream/predefined") > 0 || modify.n_fixes_style("rigid") > 0;
+    if (!plain_) sendToBothSides(lmp_);
 
     constants_ = contactTable(lmp_);
     friction_ =

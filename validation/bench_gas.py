@@ -24,6 +24,7 @@ STEP, SKIP = 1e-4, 5
 OTHERS = {"pressure: one level of the multigrid a time (mergeLevels 1)": (r"mergeLevels 2;.*", ""),
           "pressure: three levels (mergeLevels 3)": (r"mergeLevels 2;.*", "mergeLevels 3;"),
           "pressure: smoother DIC": (r"smoother +GaussSeidel;", "smoother DIC;"),
+          "pressure: coarsest level of the multigrid solved": (r"coarsestLevelCorr\s*\{[^}]*\}", ""),
           "pressure: conjugate gradients": (r"solver +GAMG;\s+smoother +GaussSeidel;", "solver PCG; preconditioner DIC;"),
           "velocity: tolerance 1e-9": (r"1e-6;", "1e-9;"),
           "velocity: smoothSolver": (r"solver +PBiCGStab;\s+preconditioner DILU;\s+tolerance +1e-6;",

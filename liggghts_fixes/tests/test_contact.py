@@ -96,6 +96,20 @@ class Contact(unittest.TestCase):
                 with self.subTest(friction=friction, ranks=ranks):
                     self.assertLess(difference(bed("", ranks, friction)[0], plain), 1e-10)
 
+    def test_periodic_box_is_plain_on_any_ranks(self):
+        # borders go to a rank itself, to the same rank on both sides, to others on each side
+        def periodic(vectorised, ranks=1):
+            with tempfile.TemporaryDirectory() as folder:
+                folder = Path(folder)
+                walls = [line for line in model(vectorised, 0.1).splitlines(True) if "xplane" not in line and "yplane" not in line]
+                head = HEAD.replace("f f f", "p p f").replace("* 1 1", "* 1 1" if ranks == 3 else "* * 1")
+                liggghts(folder, head + "read_data data.bed\n" + "".join(walls) + dump() + "run 500\n", ranks)
+                return particles(folder)
+        plain = periodic("vectorised off")
+        for ranks in (1, 2, 3, 4):
+            with self.subTest(ranks=ranks):
+                self.assertLess(difference(periodic("", ranks), plain), 1e-10)
+
     def test_restart_goes_on_with_the_other_form(self):
         # the first forces of a run take the velocities at the end of a step, all others those in its middle
         straight, _ = bed("vectorised off", runs="run 250\nrun 250\n")
