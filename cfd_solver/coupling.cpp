@@ -50,8 +50,9 @@ Coupling::Coupling(const CouplingSettings& settings, const fvMesh& mesh, Dem& de
       volumeAt_(heatAt_ + (heat_ ? 6 : 0)), sumFields_(padded(volumeAt_ + 1)), readHeatAt_(push_ ? 6 : 0),
       readFields_(padded(readHeatAt_ + (heat_ ? 5 : 0))), answerHeatAt_(push_ ? 2 : 1),
       answerFields_(answerHeatAt_ + (heat_ ? 2 : 0)), halfExtent_(mesh.nCells()),
-      mapping_(MPI_COMM_WORLD, makeCells(settings)), cellSums_(std::size_t(mesh.nCells()) * sumFields_)
+      mapping_(MPI_COMM_WORLD, makeCells(settings)), cellSums_(std::size_t(mapping_.cells().places()) * sumFields_)
 {
+    for (label c = 0; c < mesh.nCells(); ++c) place_.push_back(std::size_t(mapping_.cells().place(c)));
     dem.carry(answerFields_);
     smallestCell_ = GREAT;
     for (const vector& half : halfExtent_) smallestCell_ = std::min(smallestCell_, 2.0 * cmptMin(half));
@@ -118,7 +119,7 @@ ParticlePositions Coupling::particles() const
 void Coupling::map()
 {
     if (mapped_ && !dem_.moving()) return;
-    cellValues_.assign(mesh_.nCells(), 0.0);
+    cellValues_.assign(std::size_t(mapping_.cells().places()), 0.0);
     const Gift volume = {1, [this](int first, int count, double* given) { giveVolume(first, count, given, 1); }};
     updateWeights(volume, cellValues_.data());
     setVoidage(cellValues_.data(), 1);
@@ -139,7 +140,7 @@ void Coupling::updateWeights(const Gift& gift, double* sums)
 }
 
 /// @param volumes  of the particles in the first cell [m3]
-/// @param stride   from there to that in the next one
+/// @param stride   from there to that in the next place
 void Coupling::setVoidage(const double* volumes, int stride)
 {
     const auto time = timing_.measure("voidage");
@@ -151,10 +152,11 @@ void Coupling::setVoidage(const double* volumes, int stride)
     }
     reached_.clear();
     volScalarField& voidage = gas_.voidage();
-    for (label c = 0; c < mesh_.nCells(); ++c, volumes += stride)
+    for (label c = 0; c < mesh_.nCells(); ++c)
     {
-        voidage[c] = 1.0 - *volumes / mesh_.V()[c];
-        if (*volumes > 0.0) reached_.push_back(c);
+        const double volume = volumes[place_[c] * stride];
+        voidage[c] = 1.0 - volume / mesh_.V()[c];
+        if (volume > 0.0) reached_.push_back(c);
     }
     const scalar least = gMin(voidage.primitiveField());
     if (!(least > 0.01))
@@ -189,7 +191,7 @@ void Coupling::particlesToGas(double courantRate)
 {
     const NoTraps guard;
     const bool keep = keepAnswers(courantRate);
-    for (const label c : reached_) std::fill_n(&cellSums_[std::size_t(c) * sumFields_], sumFields_, 0.0);
+    for (const label c : reached_) std::fill_n(&cellSums_[place_[c] * sumFields_], sumFields_, 0.0);
     if (heat_) setReference();
     timing_.add("to gas: closures", 0); // the table lists the same on every rank, also on one without particles
     const Gift gift = {sumFields_, [&](int first, int count, double* given)
@@ -291,10 +293,10 @@ void Coupling::gasInCells(const scalarField& Cp)
     const fluidThermo& thermo = gas_.thermo();
     const tmp<volScalarField> rho = thermo.rho(), mu = thermo.mu();
     const scalarField& alpha = thermo.alpha(); // kappa/Cp
-    cellValues_.resize(std::size_t(mesh_.nCells()) * gasFields);
+    cellValues_.resize(std::size_t(mapping_.cells().places()) * gasFields);
     for (const label c : reached_)
     {
-        double* f = &cellValues_[std::size_t(c) * gasFields];
+        double* f = &cellValues_[place_[c] * gasFields];
         f[0] = voidage[c];
         for (int a = 0; a < 3; ++a) f[1 + a] = U[c][a];
         f[4] = rho()[c];
@@ -363,7 +365,7 @@ void Coupling::gasToParticles()
     if (!push_ && !heat_) return;
     const auto time = timing_.measure("to particles");
     const NoTraps guard;
-    cellValues_.resize(std::size_t(mesh_.nCells()) * readFields_);
+    cellValues_.resize(std::size_t(mapping_.cells().places()) * readFields_);
     impulse_ = dragReceived_ = Zero;
     dragExchanged_ = heatExchanged_ = heatReceived_ = 0.0;
     tmp<volVectorField> slope;

@@ -136,6 +136,7 @@ private:
     const int answerHeatAt_, answerFields_;
     Foam::vectorField halfExtent_; ///< of each cell's bounding box [m]
     Mapping mapping_;
+    std::vector<std::size_t> place_; ///< of each cell's values in those that follow
     bool mapped_ = false, warned_ = false;
 
     std::vector<Foam::label> reached_; ///< cells in which particles weigh; the others' values are not kept up to date

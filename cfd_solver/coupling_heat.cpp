@@ -55,7 +55,7 @@ void Coupling::heatToGas(const label* cell, const label* end)
     for (; cell != end; ++cell)
     {
         const label c = *cell;
-        const double* sum = &cellSums_[std::size_t(c) * sumFields_ + std::size_t(heatAt_)];
+        const double* sum = &cellSums_[place_[c] * sumFields_ + heatAt_];
         const double G = sum[0], X = sum[1];
         const double capacity = gas_.mass()[c] * specificHeat_[c] * mesh_.V()[c];
         early_[c] = X > 0.0 ? std::min(1.0, capacity / dt * leastDecay(X / G) / X) : 0.0;
@@ -76,8 +76,8 @@ void Coupling::heatInCells(const label* cell, const label* end, const volVectorF
     for (; cell != end; ++cell)
     {
         const label c = *cell;
-        const double* sum = &cellSums_[std::size_t(c) * sumFields_ + std::size_t(heatAt_)];
-        double* f = &cellValues_[std::size_t(c) * readFields_ + std::size_t(readHeatAt_)];
+        const double* sum = &cellSums_[place_[c] * sumFields_ + heatAt_];
+        double* f = &cellValues_[place_[c] * readFields_ + readHeatAt_];
         f[0] = T[c] - exchange.reference;
         f[1] = f[2] = f[3] = 0.0;
         f[4] = early_[c] * (temperatureBefore_[c] - T[c]);

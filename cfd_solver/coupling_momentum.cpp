@@ -144,7 +144,7 @@ void Coupling::dragToGas(const label* cell, const label* end)
     for (; cell != end; ++cell)
     {
         const label c = *cell;
-        const double* sum = &cellSums_[std::size_t(c) * sumFields_];
+        const double* sum = &cellSums_[place_[c] * sumFields_];
         exchange.drag[c] = sum[0];
         if (!push_) continue;
         for (int a = 0; a < 3; ++a) exchange.dragSource[c][a] = sum[1 + a];
@@ -159,7 +159,7 @@ void Coupling::momentumInCells(const label* cell, const label* end)
     for (; cell != end; ++cell)
     {
         const label c = *cell;
-        double* read = &cellValues_[std::size_t(c) * readFields_];
+        double* read = &cellValues_[place_[c] * readFields_];
         for (int a = 0; a < 3; ++a)
         {
             read[a] = U[c][a];

@@ -49,7 +49,7 @@ struct BoxWeights
         int y, z, end; ///< masses along x come before y, those along y before z, those along z before end
     };
 
-    const int* cellOf = nullptr; ///< lattice slot -> cell, -1 for none; null where a slot's number is its cell's
+    const int* cellOf = nullptr; ///< lattice slot -> cell, -1 for none; null where a slot's number is its cell's place
     int nx = 0, nxy = 0;         ///< slots a row, slots a layer
     int particles = 0;
     std::vector<Particle> particle; ///< room for more than there are

@@ -76,6 +76,7 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
         for (int i = 0; i <= nSlots_[a]; ++i)
             axis.uniform = axis.uniform && std::abs(axis.face[i] - axis.origin - i * spacing) < 1e-6 * spacing;
     }
+    row_ = nSlots_[0] % 32 == 0 ? nSlots_[0] + 4 : nSlots_[0]; // rows of 32 with 16 numbers a cell, of 64 with 8
     const double slots = double(nSlots_[0]) * nSlots_[1] * nSlots_[2];
     if (slots > 1e9)
         throw std::runtime_error("the faces of the box cells of one rank make more than 1e9 lattice slots: "
@@ -94,8 +95,8 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
                 for (int i = first[0]; i < last[0]; ++i) cellOf_[slot(i, j, k)] = c;
     }
     full_ = std::find(cellOf_.begin(), cellOf_.end(), -1) == cellOf_.end();
-    ordered_ =
-        std::adjacent_find(cellOf_.begin(), cellOf_.end(), [](int a, int b) { return b != a + 1; }) == cellOf_.end();
+    ordered_ = full_ && std::adjacent_find(cellOf_.begin(), cellOf_.end(), [](int a, int b) { return b != a + 1; }) ==
+                            cellOf_.end();
 }
 
 Box BoxCells::bounds() const
@@ -139,8 +140,8 @@ public:
     explicit Products(const BoxCells& cells) : cells_(cells)
     {
         if (!cells.ordered_) weights_.cellOf = cells.cellOf_.data();
-        weights_.nx = cells.nSlots_[0];
-        weights_.nxy = cells.nSlots_[0] * cells.nSlots_[1];
+        weights_.nx = cells.ordered_ ? cells.row_ : cells.nSlots_[0];
+        weights_.nxy = weights_.nx * cells.nSlots_[1];
     }
 
     void clear() override { weights_.clear(); }
@@ -213,8 +214,12 @@ LatticeCells::LatticeCells(int size, const std::array<std::vector<double>, 3>& f
         else
             shares_[++last] = shares_[s];
     shares_.resize(std::min(shares_.size(), last + 1));
-    covered_.assign(std::size_t(boxes_.size()), 0.0);
-    for (const Share& s : shares_) covered_[std::size_t(s.box)] += s.part;
+    covered_.assign(std::size_t(boxes_.places()), 0.0);
+    for (Share& s : shares_)
+    {
+        s.box = boxes_.place(s.box);
+        covered_[std::size_t(s.box)] += s.part;
+    }
 }
 
 bool LatticeCells::contains(const Point& x) const
@@ -264,7 +269,7 @@ public:
 
     const double* read(int fields, const double* cells) override
     {
-        boxValues_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
+        boxValues_.assign(std::size_t(cells_.boxes_.places()) * std::size_t(fields), 0.0);
         for (const Share& s : cells_.shares_)
             for (int f = 0; f < fields; ++f)
                 boxValues_[std::size_t(s.box) * fields + f] += s.part * cells[std::size_t(s.cell) * fields + f];
@@ -273,7 +278,7 @@ public:
 
     double* sums(int fields, double*) override
     {
-        boxSums_.assign(std::size_t(cells_.boxes_.size()) * std::size_t(fields), 0.0);
+        boxSums_.assign(std::size_t(cells_.boxes_.places()) * std::size_t(fields), 0.0);
         return boxSums_.data();
     }
 
@@ -287,7 +292,7 @@ public:
 private:
     const LatticeCells& cells_;
     std::unique_ptr<Weights> onBoxes_;
-    std::vector<double> boxValues_, boxSums_; ///< [boxes][fields], what is on its way from and to the cells
+    std::vector<double> boxValues_, boxSums_; ///< [places][fields], what is on its way from and to the cells
 };
 
 std::unique_ptr<Weights> LatticeCells::weights() const

@@ -46,7 +46,7 @@ public:
     /// Multiplies each particle's weights by a factor of its own.
     virtual void scale(int first, int count, const double* factor) = 0;
 
-    /// See box_weights.hpp: [cells][fields] -> [count][fields] and back; 1, 2, 8 or 12 fields. What they read is
+    /// See box_weights.hpp: [places][fields] -> [count][fields] and back; 1, 2, 8 or 12 fields. What they read is
     /// what `read` makes of the cells' values; what they add to is what `sums` gives, and `passOn` brings it to the
     /// cells.
     virtual void interpolate(int fields, int first, int count, const double* read, double* particles) const = 0;
@@ -67,6 +67,10 @@ public:
 
     /// Number of cells of this rank.
     virtual int size() const = 0;
+
+    /// Number of places for values of cells, in what is read and summed up with the weights, and the one of a cell.
+    virtual int places() const { return size(); }
+    virtual int place(int cell) const { return cell; }
 
     /// Smallest box around the cells of this rank; empty without cells.
     virtual Box bounds() const = 0;
@@ -89,6 +93,9 @@ public:
     BoxCells(const std::vector<Box>& boxes, const Box& domain);
 
     int size() const override { return nCells_; }
+    int places() const override { return nCells_ > 0 ? place(nCells_ - 1) + 1 : 0; }
+    /// Rows of cells along x are not 4 KiB apart: what a particle reaches would fall on few lines of the nearest cache.
+    int place(int cell) const override { return ordered_ ? cell / nSlots_[0] * row_ + cell % nSlots_[0] : cell; }
     Box bounds() const override;
     bool contains(const Point& x) const override;
     std::unique_ptr<Weights> weights() const override;
@@ -101,6 +108,7 @@ private:
     int nCells_;
     std::array<BoxAxis, 3> axis_;
     std::array<int, 3> nSlots_{{0, 0, 0}};
+    int row_ = 0;             ///< places from one row along x to the next
     std::vector<int> cellOf_; ///< lattice slot -> cell, -1 for a slot of another rank or a hole
     bool full_ = false;       ///< every slot has a cell
     bool ordered_ = false;    ///< and its number
@@ -141,8 +149,8 @@ private:
     std::array<std::vector<double>, 3> face_;
     BoxCells boxes_;
     std::vector<char> inside_;
-    std::vector<Share> shares_;
-    std::vector<double> covered_; ///< by box: the part of its mass that cells of this rank take
+    std::vector<Share> shares_;   ///< with the place of the box for its number
+    std::vector<double> covered_; ///< by place of a box: the part of its mass that cells of this rank take
 };
 
 } // namespace hotbed

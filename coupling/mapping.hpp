@@ -63,7 +63,7 @@ public:
     Mapping(MPI_Comm communicator, std::unique_ptr<const Cells> cells);
 
     /// Weights for new positions, and, where asked for, what particles give at once. Collective.
-    /// @param cellSums  [cells().size()][gift->sums], added to
+    /// @param cellSums  [cells().places()][gift->sums], added to
     void update(const ParticlePositions& particles, const Gift* gift = nullptr, double* cellSums = nullptr);
 
     /// For each particle of this rank, whether its centre lies in the mesh. Particles that lie outside carry no
@@ -81,14 +81,14 @@ public:
     /// Weighted means of cell values to the particles, a block of them at a time: few enough that these need not leave
     /// the (second) cache, enough that the processor sees the arrays that follow each other coming. Collective.
     /// @param fields      values per cell: 1, 2, 8 or 12
-    /// @param cellValues  [cells().size()][fields]
+    /// @param cellValues  [cells().places()][fields]
     static constexpr int block = 2048;
     using Use = std::function<void(int first, int count, const double* values)>; ///< [count][fields], count <= block
     void interpolate(int fields, const double* cellValues, const Use& use);
 
     /// The same, and what the particles answer to the cells, block by block. Collective.
     /// @param use       called before its particles give
-    /// @param cellSums  [cells().size()][gift.sums], added to
+    /// @param cellSums  [cells().places()][gift.sums], added to
     void answer(int fields, const double* cellValues, const Use& use, const Gift& gift, double* cellSums);
 
 private:

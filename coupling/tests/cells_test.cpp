@@ -204,6 +204,40 @@ TEST(LatticeCells, ContainsTheBoxesThatHoldAPieceOfACell)
     EXPECT_FALSE(cells->contains({{0.5, 0.5, std::nan("")}}));
 }
 
+TEST(Weights, PlacesOfCellsInWideGrids)
+{
+    for (const int n : {31, 32, 64})
+    {
+        const auto x = faces(n, 0, 1, 1), face = faces(4, 0, 1, 1);
+        const BoxCells boxes(grid(x, face, face), unit);
+        const auto lattice = throughLattice(grid(faces(2, 0, 1, 1), face, face), {{n, 4, 4}});
+        const double position[1][3] = {{0.5, 0.55, 0.4}}, halfWidth[1] = {0.4};
+        double found[1], centre[1];
+        for (const Cells* cells : {static_cast<const Cells*>(&boxes), static_cast<const Cells*>(lattice.get())})
+        {
+            const auto weights = cells->weights();
+            weights->append(1, position, halfWidth, found, centre);
+            // the mean of the cells' centres is the particle's place but for what cells smear out, also weighted back
+            const int nx = cells->size() / 16;
+            std::vector<double> at(std::size_t(cells->places())), sum(at);
+            for (int c = 0; c < cells->size(); ++c) at[std::size_t(cells->place(c))] = (c % nx + 0.5) / nx;
+            double mean, one = 1.0, deposited = 0.0, total = 0.0;
+            interpolate(*weights, 1, at.data(), &mean);
+            deposit(*weights, 1, &one, sum.data());
+            for (int c = 0; c < cells->size(); ++c)
+            {
+                const auto place = std::size_t(cells->place(c));
+                total += sum[place];
+                deposited += sum[place] * at[place];
+            }
+            EXPECT_NEAR(mean, 0.5, 1e-12) << n;
+            EXPECT_NEAR(deposited, 0.5, 1e-12) << n;
+            EXPECT_NEAR(total, 1.0, 1e-12) << n;
+        }
+        EXPECT_NE(boxes.place(n) % 32, 0) << n;
+    }
+}
+
 TEST(Weights, SeveralFieldsAtATimeGiveWhatOneDoes)
 {
     const auto face = faces(6, 0, 1, 1);
