@@ -76,7 +76,7 @@ BoxCells::BoxCells(const std::vector<Box>& boxes, const Box& domain) : nCells_(i
         for (int i = 0; i <= nSlots_[a]; ++i)
             axis.uniform = axis.uniform && std::abs(axis.face[i] - axis.origin - i * spacing) < 1e-6 * spacing;
     }
-    row_ = nSlots_[0] % 32 == 0 ? nSlots_[0] + 4 : nSlots_[0]; // 64 cells of 8 numbers are 4 KiB
+    row_ = nSlots_[0] % 64 == 0 ? nSlots_[0] + 4 : nSlots_[0]; // 64 cells of 8 numbers are 4 KiB
     const double slots = double(nSlots_[0]) * nSlots_[1] * nSlots_[2];
     if (slots > 1e9)
         throw std::runtime_error("the faces of the box cells of one rank make more than 1e9 lattice slots: "
