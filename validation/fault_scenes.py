@@ -43,7 +43,7 @@ BLOW_UPS = {
     "two particles at one place": ([extra("0.005 0.0025 0.02", "0.005 0.0025 0.02")], ("two particles at one place",)),
     "two particles a micrometre apart": ([extra("0.005 0.0025 0.02", "0.005 0.0025 0.020001")], OVERLAP),
     "springs of a millionth": ([("settings", r"^kn +\S+;", "kn 5e-4;")], (*OVERLAP, "kn")),
-    "a force of 1 kN on each particle": ([last("fix push all addforce 0 0 1e3")], GAS),
+    "a force of 1 kN on each particle": ([last("fix push all addforce 0 0 1e3")], (TRAPPED[0], "in the gas, cell", "time step")),
     "LIGGGHTS loses particles": ([(SCRIPT, r"^fix +zhigh .*\n", ""), last("thermo 100\nthermo_modify lost error\nvelocity all set 0 0 20")],
                                  ("Lost atoms", "The fastest on this rank was particle")),
 }

@@ -46,7 +46,7 @@ def residual(folder, tolerance, correctors, outer):
     edit(run / "DEM/in.bed", r"(?s)^lattice .*?(?=\nlabel           filled)", CLOUDS)
     edit(run / "DEM/in.bed", r"^dump .*?$", "dump particles all custom ${every} DEM/post/particles*.txt id mass vx vy vz\n"
          'dump_modify particles format "%d %.17g %.17g %.17g %.17g"')
-    edit(run / "system/fvSolution", r'(?s)"p\|pFinal".*?}',
+    edit(run / "system/fvSolution", r'(?s)"p\|pFinal".*?\n    }',
          f'"p|pFinal" {{ solver GAMG; smoother GaussSeidel; tolerance {tolerance:g}; relTol 0; maxIter 100; }}')
     edit(run / "system/fvSolution", r"nOuterCorrectors\s+\d+;\s*nCorrectors\s+\d+;",
          f"nOuterCorrectors {outer}; nCorrectors {correctors};")
