@@ -78,12 +78,15 @@ private:
         // LIGGGHTS keeps n x 3 arrays in one block behind row pointers
         const double *x = atom->x[0], *v = atom->v[0], *omega = atom->omega[0];
         const int* list = sendlist[swap];
-        for (int i = 0; i < sendnum[swap]; ++i)
+        for (int i = 0; i < sendnum[swap]; ++i, to += 9)
         {
             const int k = 3 * list[i];
-            to = std::copy_n(x + k, 3, to);
-            to = std::copy_n(v + k, 3, to);
-            to = std::copy_n(omega + k, 3, to);
+            for (int c = 0; c < 3; ++c)
+            {
+                to[c] = x[k + c];
+                to[3 + c] = v[k + c];
+                to[6 + c] = omega[k + c];
+            }
         }
     }
 
