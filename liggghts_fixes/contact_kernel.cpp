@@ -230,13 +230,14 @@ template <bool friction> inline void enter(ContactRows& rows, int at, const Cont
 }
 
 /// Gives what a row has got to its particle, one after the other: where forces are set and not added to, the fourth
-/// entry goes where the next particle's are set afterwards.
-template <bool friction> inline void leave(const Load& load, const ContactParticles& particles, int i, bool add)
+/// entry goes where the next particle's are set afterwards. @param last  there is no place for a next one
+template <bool friction>
+inline void leave(const Load& load, const ContactParticles& particles, int i, bool add, bool last)
 {
     __builtin_prefetch(particles.force[i + ahead], 1);
     __builtin_prefetch(particles.torque[i + ahead], 1);
     double *force = particles.force[i], *torque = particles.torque[i];
-    if (!add && i + 1 < particles.local)
+    if (!add && !last)
     {
         std::memcpy(force, &load.force, sizeof load.force);
         std::memcpy(torque, &load.torque, sizeof load.torque);
@@ -263,6 +264,19 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
     Batch batch;
     fill(batch, step.constants[0]);
     int p = 0, entered = 0, left = 0, next = 0, first = 0; // the last two: rows
+    int told = 0;
+    const bool tells = bool(step.complete);
+    const auto complete = [&]
+    {
+        if (!tells || left == told) return;
+        step.complete(told, left);
+        told = left;
+    };
+    const auto goes = [&](const Load& load)
+    {
+        leave<friction>(load, particles, left - told, step.add, !tells && left + 1 == particles.local);
+        if (++left - told == completeAtOnce) complete();
+    };
     for (const PairBlock& block : pairs.blocks)
     {
         for (; entered < block.entered; ++entered)
@@ -277,13 +291,15 @@ inline void run(const ContactParticles& particles, ContactPairs& pairs, const Co
             law<Vector, friction>(batch, step.timestep);
             scatter<friction>(batch, pairs, block, rows.load.data());
         }
-        for (; left < block.left; ++left)
+        while (left < block.left)
         {
-            leave<friction>(rows.load[first], particles, left, step.add);
+            goes(rows.load[first]);
             if (++first == pairs.ring) first = 0;
         }
+        complete();
     }
-    for (; !step.add && left < particles.local; ++left) leave<friction>(Load{}, particles, left, false); // of no pair
+    while (!step.add && left < particles.local) goes(Load{}); // of no pair
+    complete();
     tell(pairs, step.flagBits);
 }
 

@@ -4,6 +4,7 @@
 /// for many pairs at a time. Knows arrays only; vectorised_pair.hpp fills them from LIGGGHTS.
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace hotbed
@@ -73,6 +74,9 @@ struct ContactParticles
     double (*torque)[3];
 };
 
+/// The most particles that ContactStep::complete is told of: what is read and written of them stays in the nearest cache.
+constexpr int completeAtOnce = 256;
+
 struct ContactStep
 {
     const ContactConstants* constants;
@@ -82,6 +86,10 @@ struct ContactStep
     double timestep;
     double parted; ///< squared distance over squared sum of radii up to which a spring ends
     int flagBits;  ///< of a touching pair
+    /// Told of local particles [first, end), in their order, once they have all that pairs give them; nothing reads
+    /// them afterwards. ContactParticles::force and torque are those of [first, end) then, completeAtOnce + 1 rows.
+    /// Not with `add`. Empty: they are those of all particles.
+    std::function<void(int first, int end)> complete;
 };
 
 /// The particles as the kernel wants them, a row of four numbers at a time. LIGGGHTS sorts particles by their places
@@ -115,15 +123,16 @@ struct WallContact
     double from[3]; ///< from the wall to the centre
     double* spring;
     int particle;
-    int type; ///< which constants
+    int type;                   ///< which constants
+    double force[3], torque[3]; ///< on the particle, from wallForces()
 };
 
 /// Whether the processor has the registers this is written for (AVX2); without them it is slower than one by one.
 bool canVectorise();
 
-/// Forces and torques are added to, springs carried on.
+/// Springs are carried on; nothing is added to the particles.
 /// @param constants  of each type of WallContact
-void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+void wallForces(const ContactParticles& particles, std::vector<WallContact>& contacts,
                 const ContactConstants* constants, double timestep);
 
 /// Rows of pairs that are known by their particles yet: after the last one is added.

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 using namespace LAMMPS_NS;
+using namespace hotbed;
 
 namespace
 {
@@ -92,7 +94,7 @@ bool FixNVESphereHotbed::seen() const
 
 void FixNVESphereHotbed::initial_integrate(int)
 {
-    if (!ahead_) integrate(hotbed::FIRST);
+    if (!ahead_) integrate(FIRST);
     ahead_ = false;
     delayCheck();
 }
@@ -116,27 +118,68 @@ void FixNVESphereHotbed::post_run()
 
 void FixNVESphereHotbed::final_integrate()
 {
-    ahead_ = !seen();
-    integrate(ahead_ ? hotbed::SECOND_AND_FIRST : hotbed::SECOND);
+    ahead_ = moved_ || !seen();
+    integrate(ahead_ ? SECOND_AND_FIRST : SECOND);
 }
 
-void FixNVESphereHotbed::integrate(hotbed::Half half)
+bool FixNVESphereHotbed::movesEarly(const std::vector<const Fix*>& known) const
 {
-    if (half != hotbed::SECOND && neighbor->ago == 0) std::fill_n(way_, 3, 0.0);
-    if (atom->nlocal == 0) return;
-    const bool loads = withGravity_ && half != hotbed::FIRST;
-    const hotbed::MovingParticles particles = {atom->nlocal,
-                                               atom->x[0],
-                                               atom->v[0],
-                                               atom->f[0],
-                                               atom->omega[0],
-                                               atom->torque[0],
-                                               loads && drag_ ? drag_->force()[0] : nullptr,
-                                               atom->radius,
-                                               atom->rmass,
-                                               atom->mask};
+    if (!movesAll_ || seen()) return false;
+    constexpr int late = FixConst::POST_FORCE | FixConst::PRE_FINAL_INTEGRATE | FixConst::FINAL_INTEGRATE;
+    for (int i = 0; i < modify->nfix; ++i)
+    {
+        const Fix* const fix = modify->fix[i];
+        if (modify->fmask[i] & late && fix != this && fix != drag_ &&
+            std::find(known.begin(), known.end(), fix) == known.end())
+            return false;
+    }
+    return true;
+}
+
+MovingParticles FixNVESphereHotbed::particles(Half half) const
+{
+    return {atom->nlocal,
+            atom->x[0],
+            atom->v[0],
+            atom->f[0],
+            atom->omega[0],
+            atom->torque[0],
+            drag_ && half != FIRST ? drag_->force()[0] : nullptr,
+            atom->radius,
+            atom->rmass,
+            atom->mask};
+}
+
+MotionStep FixNVESphereHotbed::motion(Half half) const
+{
     const double inertia = domain->dimension == 2 ? 0.5 : 0.4; // of a disc, of a sphere, over m r^2
+    return {groupbit, dtv, dtf, dtf / inertia, withGravity_ && half != FIRST ? gravity_ : nullptr};
+}
+
+void FixNVESphereHotbed::moveEarly(int first, int end, double* force, const double* torque)
+{
+    const std::size_t rows = 3 * std::size_t(first);
+    MovingParticles some = particles(SECOND_AND_FIRST);
+    some.number = end - first;
+    for (double** moved : {&some.x, &some.v, &some.omega}) *moved += rows;
+    some.force = force;
+    some.torque = torque;
+    if (some.gas) some.gas += rows;
+    some.radius += first;
+    some.mass += first;
+    some.mask += first;
+    move(SECOND_AND_FIRST, some, motion(SECOND_AND_FIRST), earlySquared_);
+    moved_ = true;
+}
+
+void FixNVESphereHotbed::integrate(Half half)
+{
+    if (half != SECOND && neighbor->ago == 0) std::fill_n(way_, 3, 0.0);
+    if (atom->nlocal == 0) return;
     double squared[3] = {};
-    hotbed::move(half, particles, {groupbit, dtv, dtf, dtf / inertia, loads ? gravity_ : nullptr}, squared);
+    if (std::exchange(moved_, false))
+        std::swap(squared, earlySquared_);
+    else
+        move(half, particles(half), motion(half), squared);
     for (int a = 0; a < 3; ++a) way_[a] += std::sqrt(squared[a]);
 }

@@ -1,16 +1,20 @@
 #include "contact_models.h"
 #include "fix_insert_stream.h"
 #include "vectorised_pair.hpp"
+#include "vectorised_wall.hpp"
 
 #include "borders.hpp"
 #include "contact_constants.hpp"
 #include "contact_time.hpp"
+#include "fix_nve_sphere_hotbed.h"
 #include "integrate.h"
+#include "timer.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <string>
+#include <utility>
 
 using namespace LAMMPS_NS;
 
@@ -152,6 +156,51 @@ void VectorisedPair::takeList(PairGran& pair)
     stale_ = false;
 }
 
+/// The fix that may move particles in this step as soon as their forces are complete, null: none may.
+FixNVESphereHotbed* VectorisedPair::movesEarly()
+{
+    const Modify& modify = *lmp_.modify;
+    FixNVESphereHotbed* integration = nullptr;
+    walls_.clear();
+    std::vector<const Fix*> known;
+    for (int i = 0; i < modify.nfix; ++i)
+    {
+        if (auto* one = dynamic_cast<FixNVESphereHotbed*>(modify.fix[i])) integration = one;
+        auto* wall = dynamic_cast<VectorisedWall*>(modify.fix[i]);
+        if (!wall || !wall->mayBeFirst()) continue;
+        walls_.push_back(wall);
+        known.push_back(wall);
+    }
+    return integration && !lmp_.atom->molecular && integration->movesEarly(known) ? integration : nullptr;
+}
+
+/// Particles get the forces of walls and move while those of their pairs are in the cache.
+void VectorisedPair::forcesAndMotion(ContactStep& step, FixNVESphereHotbed& integration)
+{
+    // as LIGGGHTS takes the time of fixes, of which none is that of pairs
+    double others = 0.0;
+    const auto timed = [&others](Fix& fix, const auto& work)
+    {
+        others -= fix.get_recorded_time();
+        fix.begin_time_recording();
+        work();
+        fix.end_time_recording();
+        others += fix.get_recorded_time();
+    };
+    for (VectorisedWall* wall : walls_) timed(*wall, [&] { wall->compute(); });
+    double force[completeAtOnce + 1][3], torque[completeAtOnce + 1][3];
+    ContactParticles particles = contactParticles(*lmp_.atom);
+    particles.force = force;
+    particles.torque = torque;
+    step.complete = [&](int first, int end)
+    {
+        for (VectorisedWall* wall : walls_) wall->give(first, end, force, torque);
+        timed(integration, [&] { integration.moveEarly(first, end, force[0], torque[0]); });
+    };
+    contactForces(particles, pairs_, step, rows_);
+    lmp_.timer->array[TIME_PAIR] -= others;
+}
+
 /// Ends the run with an error where the contact of the lightest particles is too short for the time step.
 void VectorisedPair::checkTimestep()
 {
@@ -204,7 +253,10 @@ void VectorisedPair::compute_force(PairGran* pair, int eflag, int vflag, int add
     step.timestep = lmp_.update->dt;
     step.parted = lmp_.neighbor->contactDistanceFactor * lmp_.neighbor->contactDistanceFactor;
     step.flagBits = flagBits;
-    contactForces(contactParticles(*lmp_.atom), pairs_, step, rows_);
+    if (FixNVESphereHotbed* const integration = cleared ? movesEarly() : nullptr)
+        forcesAndMotion(step, *integration);
+    else
+        contactForces(contactParticles(*lmp_.atom), pairs_, step, rows_);
 }
 
 } // namespace hotbed

@@ -8,6 +8,11 @@
 
 #include <vector>
 
+namespace LAMMPS_NS
+{
+class FixNVESphereHotbed;
+}
+
 namespace hotbed
 {
 
@@ -41,6 +46,8 @@ private:
     bool forcesOnly(LAMMPS_NS::PairGran& pair, int eflag, int vflag, int addflag) const;
     void takeList(LAMMPS_NS::PairGran& pair);
     void checkTimestep();
+    LAMMPS_NS::FixNVESphereHotbed* movesEarly();
+    void forcesAndMotion(ContactStep& step, LAMMPS_NS::FixNVESphereHotbed& integration);
 
     LAMMPS_NS::LAMMPS& lmp_;
     LAMMPS_NS::PairGran* const parent_;
@@ -54,6 +61,7 @@ private:
     std::vector<ContactConstants> constants_;
     ContactPairs pairs_;
     ContactRows rows_;
+    std::vector<class VectorisedWall*> walls_; ///< whose forces come before those of pairs in this step
 };
 
 } // namespace hotbed

@@ -70,18 +70,49 @@ bool VectorisedWall::forcesOnly() const
 
 void VectorisedWall::post_force_primitive(int vflag)
 {
+    if (computed_ == update->ntimestep) return;
     if (!vectorised_ || !forcesOnly())
     {
         FixWallGran::post_force_primitive(vflag);
         return;
     }
+    nearForces();
+    give(0, atom->nlocal, reinterpret_cast<double(*)[3]>(atom->f[0]), reinterpret_cast<double(*)[3]>(atom->torque[0]));
+}
+
+void VectorisedWall::compute()
+{
+    nearForces();
+    computed_ = update->ntimestep;
+}
+
+void VectorisedWall::give(int first, int end, double (*force)[3], double (*torque)[3])
+{
+    const std::size_t count = contacts_.size();
+    for (; given_ < count && contacts_[given_].particle < end; ++given_)
+    {
+        const int soon = contacts_[std::min(given_ + ahead, count - 1)].particle - first;
+        __builtin_prefetch(force[soon], 1);
+        __builtin_prefetch(torque[soon], 1);
+        const WallContact& contact = contacts_[given_];
+        for (int a = 0; a < 3; ++a)
+        {
+            force[contact.particle - first][a] += contact.force[a];
+            torque[contact.particle - first][a] += contact.torque[a];
+        }
+    }
+}
+
+void VectorisedWall::nearForces()
+{
+    contacts_.clear();
+    given_ = 0;
     int* near = nullptr;
     const int count = primitiveWall_->getNeighbors(near);
     if (count == 0) return;
     const ContactParticles particles = contactParticles(*atom);
     double* const springs = fix_history_primitive_->array_atom[0] + offset_;
     const bool all = groupbit == 1, alike = constants_.size() == 1;
-    contacts_.clear();
     for (int k = 0; k < count; ++k)
     {
         const int soon = near[std::min(k + ahead, count - 1)]; // near particles lie anywhere in the memory
@@ -93,7 +124,7 @@ void VectorisedWall::post_force_primitive(int vflag)
         double x[3] = {particles.x[i][0], particles.x[i][1], particles.x[i][2]}, toWall[3];
         if (primitiveWall_->resolveContact(x, particles.radius[i], toWall) <= 0.0)
             contacts_.push_back(
-                WallContact{{-toWall[0], -toWall[1], -toWall[2]}, spring, i, alike ? 0 : atom->type[i] - 1});
+                WallContact{{-toWall[0], -toWall[1], -toWall[2]}, spring, i, alike ? 0 : atom->type[i] - 1, {}, {}});
         else
             std::fill_n(spring, 3, 0.0);
     }

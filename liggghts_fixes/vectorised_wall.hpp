@@ -6,6 +6,7 @@
 
 #include "fix_wall_gran.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -23,16 +24,27 @@ public:
 
     void init() override;
 
+    /// Whether compute() and give() may take the place of the next post_force().
+    bool mayBeFirst() const { return vectorised_ && forcesOnly(); }
+    /// Forces of this time step, before those of pairs
+    void compute();
+    /// Adds those of local particles [first, end), after those before them. @param force, torque  of `first` and those
+    /// after it
+    void give(int first, int end, double (*force)[3], double (*torque)[3]);
+
 protected:
     void post_force_primitive(int vflag) override;
 
 private:
     bool forcesOnly() const;
+    void nearForces();
 
     bool vectorised_ = false;
     int offset_ = 0;                          ///< of the spring in a particle's history
     std::vector<ContactConstants> constants_; ///< of each particle type with the wall's
-    std::vector<WallContact> contacts_;
+    std::vector<WallContact> contacts_; ///< by their particles
+    std::size_t given_ = 0;             ///< the first of contacts_ that is not
+    LAMMPS_NS::bigint computed_ = -1;   ///< time step of contacts_
 };
 
 } // namespace hotbed

@@ -15,12 +15,10 @@ inline void fetch(const ContactParticles& particles, const WallContact& contact)
     __builtin_prefetch(particles.omega[i]);
     __builtin_prefetch(particles.mass + i);
     __builtin_prefetch(contact.spring, 1);
-    __builtin_prefetch(particles.force[i], 1);
-    __builtin_prefetch(particles.torque[i], 1);
 }
 
 template <class Vector>
-inline void runWall(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+inline void runWall(const ContactParticles& particles, std::vector<WallContact>& contacts,
                     const ContactConstants* constants, double timestep)
 {
     Batch batch;
@@ -29,7 +27,7 @@ inline void runWall(const ContactParticles& particles, const std::vector<WallCon
     for (int k = 0; k < width && k < count; ++k) fetch(particles, contacts[k]);
     for (int start = 0; start < count; start += width)
     {
-        const WallContact* contact = &contacts[start];
+        WallContact* contact = &contacts[start];
         const int n = count - start < width ? count - start : width;
         for (int k = 0; k < n; ++k)
         {
@@ -53,27 +51,24 @@ inline void runWall(const ContactParticles& particles, const std::vector<WallCon
         }
         law<Vector, true>(batch, timestep);
         for (int k = 0; k < n; ++k)
-        {
-            const int i = contact[k].particle;
             for (int a = 0; a < 3; ++a)
             {
-                particles.force[i][a] += batch.force[a][k];
-                particles.torque[i][a] -= batch.force[3][k] * batch.turn[a][k];
+                contact[k].force[a] = batch.force[a][k];
+                contact[k].torque[a] = -batch.force[3][k] * batch.turn[a][k];
                 contact[k].spring[a] = batch.stretch[a][k];
             }
-        }
     }
 }
 
 __attribute__((target("arch=x86-64-v3"), flatten)) void wallAvx2(const ContactParticles& particles,
-                                                                 const std::vector<WallContact>& contacts,
+                                                                 std::vector<WallContact>& contacts,
                                                                  const ContactConstants* constants, double timestep)
 {
     runWall<Row>(particles, contacts, constants, timestep);
 }
 
 __attribute__((target("arch=x86-64-v4"), flatten)) void wallAvx512(const ContactParticles& particles,
-                                                                   const std::vector<WallContact>& contacts,
+                                                                   std::vector<WallContact>& contacts,
                                                                    const ContactConstants* constants, double timestep)
 {
     runWall<Wide>(particles, contacts, constants, timestep);
@@ -81,7 +76,7 @@ __attribute__((target("arch=x86-64-v4"), flatten)) void wallAvx512(const Contact
 
 } // namespace
 
-void wallForces(const ContactParticles& particles, const std::vector<WallContact>& contacts,
+void wallForces(const ContactParticles& particles, std::vector<WallContact>& contacts,
                 const ContactConstants* constants, double timestep)
 {
     (__builtin_cpu_supports("x86-64-v4") ? wallAvx512 : wallAvx2)(particles, contacts, constants, timestep);
