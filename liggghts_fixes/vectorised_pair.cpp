@@ -113,7 +113,7 @@ void VectorisedPair::init_granular()
     Modify& modify = *lmp_.modify;
     plain_ = !enabled_ || !canVectorise() || modify.n_fixes_style_strict("freeze") > 0 ||
              modify.n_fixes_style("insert/stream/predefined") > 0 || modify.n_fixes_style("rigid") > 0;
-    if (!plain_) sendToBothSides(lmp_);
+    if (!plain_) borders_ = BothSides::install(lmp_);
 
     constants_ = contactTable(lmp_);
     friction_ =
@@ -196,6 +196,7 @@ void VectorisedPair::forcesAndMotion(ContactStep& step, FixNVESphereHotbed& inte
     {
         for (VectorisedWall* wall : walls_) wall->give(first, end, force, torque);
         timed(integration, [&] { integration.moveEarly(first, end, force[0], torque[0]); });
+        if (borders_) borders_->packEarly(first, end);
     };
     contactForces(particles, pairs_, step, rows_);
     lmp_.timer->array[TIME_PAIR] -= others;
