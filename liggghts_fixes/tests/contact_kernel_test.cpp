@@ -81,13 +81,50 @@ struct Column
     /// @param add  to what is there
     void steps(int count = 3, bool add = true)
     {
-        const ContactConstants constants = {{500.0, 1e-3, 0.0, 0.1}, {150.0, 1e-3, 0.0, 1.0 / 150.0}};
-        const ContactStep step = {&constants, true, true, add, 1e-5, 1.01 * 1.01, 3};
-        const auto rows = [](std::vector<double>& values) { return reinterpret_cast<double(*)[3]>(values.data()); };
-        const ContactParticles particles = {number,        number + ghosts, rows(x),     rows(v),     rows(omega),
-                                            radius.data(), mass.data(),     rows(force), rows(torque)};
         ContactRows memory;
-        for (int n = 0; n < count; ++n) contactForces(particles, pairs, step, memory);
+        for (int n = 0; n < count; ++n) contactForces(particles(), pairs, step(add), memory);
+    }
+
+    /// A step whose forces are taken as soon as they are complete. @return how often
+    int stepByParts()
+    {
+        std::vector<double> someForce(3 * (completeAtOnce + 1)), someTorque = someForce;
+        ContactParticles some = particles();
+        some.force = rows(someForce);
+        some.torque = rows(someTorque);
+        ContactStep parts = step(false);
+        int before = 0, count = 0;
+        parts.complete = [&](int from, int end)
+        {
+            EXPECT_EQ(from, before);
+            EXPECT_GT(end, from);
+            EXPECT_LE(end - from, completeAtOnce);
+            std::copy_n(someForce.begin(), 3 * (end - from), force.begin() + 3 * from);
+            std::copy_n(someTorque.begin(), 3 * (end - from), torque.begin() + 3 * from);
+            // as they move: nothing reads them again
+            for (auto* moved : {&x, &v, &omega}) std::fill_n(moved->begin() + 3 * from, 3 * (end - from), NAN);
+            before = end;
+            ++count;
+        };
+        ContactRows memory;
+        contactForces(some, pairs, parts, memory);
+        EXPECT_EQ(before, number);
+        return count;
+    }
+
+private:
+    static double (*rows(std::vector<double>& values))[3] { return reinterpret_cast<double(*)[3]>(values.data()); }
+
+    static ContactStep step(bool add)
+    {
+        static const ContactConstants constants = {{500.0, 1e-3, 0.0, 0.1}, {150.0, 1e-3, 0.0, 1.0 / 150.0}};
+        return {&constants, true, true, add, 1e-5, 1.01 * 1.01, 3, {}};
+    }
+
+    ContactParticles particles()
+    {
+        return {number,        number + ghosts, rows(x),     rows(v),     rows(omega),
+                radius.data(), mass.data(),     rows(force), rows(torque)};
     }
 };
 
@@ -142,6 +179,20 @@ TEST(ContactKernel, forcesAreSetOrAddedTo)
     EXPECT_EQ(set.force, added.force);
     EXPECT_EQ(set.torque, added.torque);
     EXPECT_EQ(set.force.back(), 0.0);
+}
+
+TEST(ContactKernel, forcesAreCompleteWhenTheyAreSaidToBe)
+{
+    if (!canVectorise()) GTEST_SKIP() << "this processor has no AVX2";
+    std::vector<int> order(number - 2 * across * across); // the uppermost particles have no pairs
+    std::iota(order.begin(), order.end(), 0);
+    Column whole, byParts;
+    for (Column* column : {&whole, &byParts}) column->list(order);
+    whole.steps(1, false);
+    EXPECT_GT(byParts.stepByParts(), number / completeAtOnce);
+    EXPECT_EQ(byParts.force, whole.force);
+    EXPECT_EQ(byParts.torque, whole.torque);
+    EXPECT_EQ(byParts.springs, whole.springs);
 }
 
 TEST(ContactKernel, forcesOfTwoParticlesCancel)

@@ -98,10 +98,10 @@ class Contact(unittest.TestCase):
 
     def test_periodic_box_is_plain_on_any_ranks(self):
         # borders go to a rank itself, to the same rank on both sides, to others on each side
-        def periodic(vectorised, ranks=1):
+        def periodic(vectorised, ranks=1, integration=INTEGRATION):
             with tempfile.TemporaryDirectory() as folder:
                 folder = Path(folder)
-                walls = [line for line in model(vectorised, 0.1).splitlines(True) if "xplane" not in line and "yplane" not in line]
+                walls = [line for line in model(vectorised, 0.1, integration).splitlines(True) if "xplane" not in line and "yplane" not in line]
                 head = HEAD.replace("f f f", "p p f").replace("* 1 1", "* 1 1" if ranks == 3 else "* * 1")
                 liggghts(folder, head + "read_data data.bed\n" + "".join(walls) + dump() + "run 500\n", ranks)
                 return particles(folder)
@@ -109,6 +109,8 @@ class Contact(unittest.TestCase):
         for ranks in (1, 2, 3, 4):
             with self.subTest(ranks=ranks):
                 self.assertLess(difference(periodic("", ranks), plain), 1e-10)
+                self.assertLess(difference(periodic("", ranks, "fix integrate all nve/sphere/hotbed gravity 9.81 vector 0 0 -1\n"),
+                                           plain), 1e-10)
 
     def test_restart_goes_on_with_the_other_form(self):
         # the first forces of a run take the velocities at the end of a step, all others those in its middle

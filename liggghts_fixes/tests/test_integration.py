@@ -69,6 +69,17 @@ class Integration(unittest.TestCase):
             with self.subTest(ours):
                 self.assertLess(difference(bed("", integration=ours)[0], bed("", integration=stock)[0]), 1e-10)
 
+    def test_what_comes_after_the_forces_of_pairs_counts(self):
+        wall = "fix x1 all wall/gran model hotbed tangential hotbed primitive type 1 xplane 0.012"
+        for name, after in {"of all": "fix slow all viscous 1e-5\n",
+                            "of a type": "group one type 1\nfix push one addforce 1e-5 0 0\n",
+                            "a wall that moves": f"unfix x1\n{wall} shear y 0.1\n"}.items():
+            for ranks in (1, 2):
+                with self.subTest(name, ranks=ranks):
+                    ours, stock = (bed("", ranks, integration=i, extra=after)[0] for i in (OURS, INTEGRATION))
+                    self.assertLess(difference(ours, stock), 1e-10)
+                    self.assertGreater(difference(stock, bed("", integration=INTEGRATION)[0]), 1e-4)
+
     def test_refused(self):
         for lines, message in (
             (OURS + "fix more all gravity 9.81 vector 0 0 -1\n", "has gravity, and so has fix gravity"),
