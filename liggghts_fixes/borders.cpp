@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <typeinfo>
+#include <utility>
 
 using namespace LAMMPS_NS;
 
@@ -25,16 +26,20 @@ BothSides* BothSides::install(LAMMPS& lmp)
 
 void BothSides::forward_comm(int dummy)
 {
-    const bool early = packedIn_ + 1 == update->ntimestep;
-    packedIn_ = -1;
     if (!takesOver())
     {
         Comm::forward_comm(dummy);
         return;
     }
-    if (!early) nothingPacked();
+    if (!std::exchange(early_, false)) nothingPacked();
     // both sides of an axis, as often as ranks that lie further away are needed
     for (int swap = 0; swap < nswap; swap += 2) bothSides(swap);
+}
+
+void BothSides::borders()
+{
+    early_ = false;
+    Comm::borders();
 }
 
 void BothSides::bothSides(int swap)
@@ -79,7 +84,7 @@ void BothSides::packEarly(int first, int end)
     if (first == 0)
     {
         nothingPacked();
-        packedIn_ = update->ntimestep;
+        early_ = true;
     }
     for (int s = 0; s < nswap; ++s)
         if (plain(s)) packPlain(s, end);

@@ -19,9 +19,10 @@ public:
     static BothSides* install(LAMMPS_NS::LAMMPS& lmp);
 
     void forward_comm(int dummy) override;
+    void borders() override;
 
-    /// Packs what the forward_comm() of the next time step sends of local particles [first, end), after those before
-    /// them: they are as they will be then, and in the cache.
+    /// Packs what the next forward_comm() sends of local particles [first, end), after those before them, while they
+    /// are in the cache. They are as they will be then; unless lists of what is sent are made anew before.
     void packEarly(int first, int end);
 
 private:
@@ -40,8 +41,8 @@ private:
     void packPlain(int swap, int end);
 
     std::vector<double> send_, receive_;
-    std::vector<Packed> packed_;         ///< of each swap
-    LAMMPS_NS::bigint packedIn_ = -1; ///< time step of packEarly()
+    std::vector<Packed> packed_; ///< of each swap
+    bool early_ = false;         ///< some were by packEarly()
 };
 
 } // namespace hotbed

@@ -74,7 +74,8 @@ struct ContactParticles
     double (*torque)[3];
 };
 
-/// The most particles that ContactStep::complete is told of: what is read and written of them stays in the nearest cache.
+/// The most particles that ContactStep::complete is told of: what is read and written of them stays in the nearest
+/// cache.
 constexpr int completeAtOnce = 256;
 
 struct ContactStep

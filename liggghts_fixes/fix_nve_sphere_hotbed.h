@@ -51,8 +51,8 @@ private:
     class FixHotbedDrag* drag_ = nullptr; ///< whose force is added here
     bool ahead_ = false;                  ///< the first half of the next step is done
     bigint stop_ = 0;                     ///< 0: no host
-    bool moved_ = false;          ///< before final_integrate(), all of them
-    double earlySquared_[3] = {}; ///< of the longest way then [m2]
+    bool moved_ = false;                  ///< before final_integrate(), all of them
+    double earlySquared_[3] = {};         ///< of the longest way then [m2]
     bool movesAll_ = false;               ///< nothing else moves particles or the box
     double way_[3] = {}; ///< since neighbour lists were built, along each axis, of the fastest at each step [m]
     int delay_ = 0;      ///< of neigh_modify

@@ -61,7 +61,7 @@ private:
     std::vector<ContactConstants> constants_;
     ContactPairs pairs_;
     ContactRows rows_;
-    class BothSides* borders_ = nullptr; ///< null: LIGGGHTS' own
+    class BothSides* borders_ = nullptr;       ///< null: LIGGGHTS' own
     std::vector<class VectorisedWall*> walls_; ///< whose forces come before those of pairs in this step
 };
 

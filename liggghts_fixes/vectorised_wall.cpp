@@ -8,6 +8,7 @@
 #include "primitive_wall.h"
 
 #include <algorithm>
+#include <utility>
 
 using namespace LAMMPS_NS;
 
@@ -70,7 +71,7 @@ bool VectorisedWall::forcesOnly() const
 
 void VectorisedWall::post_force_primitive(int vflag)
 {
-    if (computed_ == update->ntimestep) return;
+    if (std::exchange(computed_, false)) return;
     if (!vectorised_ || !forcesOnly())
     {
         FixWallGran::post_force_primitive(vflag);
@@ -83,7 +84,7 @@ void VectorisedWall::post_force_primitive(int vflag)
 void VectorisedWall::compute()
 {
     nearForces();
-    computed_ = update->ntimestep;
+    computed_ = true;
 }
 
 void VectorisedWall::give(int first, int end, double (*force)[3], double (*torque)[3])

@@ -42,9 +42,9 @@ private:
     bool vectorised_ = false;
     int offset_ = 0;                          ///< of the spring in a particle's history
     std::vector<ContactConstants> constants_; ///< of each particle type with the wall's
-    std::vector<WallContact> contacts_; ///< by their particles
-    std::size_t given_ = 0;             ///< the first of contacts_ that is not
-    LAMMPS_NS::bigint computed_ = -1;   ///< time step of contacts_
+    std::vector<WallContact> contacts_;       ///< by their particles
+    std::size_t given_ = 0;                   ///< the first of contacts_ that is not
+    bool computed_ = false;                   ///< before the next post_force()
 };
 
 } // namespace hotbed
