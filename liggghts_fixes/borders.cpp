@@ -4,7 +4,6 @@
 
 #include "atom_vec_sphere.h"
 
-#include <algorithm>
 #include <typeinfo>
 #include <utility>
 

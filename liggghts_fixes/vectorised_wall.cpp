@@ -78,7 +78,9 @@ void VectorisedWall::post_force_primitive(int vflag)
         return;
     }
     nearForces();
-    give(0, atom->nlocal, reinterpret_cast<double(*)[3]>(atom->f[0]), reinterpret_cast<double(*)[3]>(atom->torque[0]));
+    if (contacts_.empty()) return;
+    const ContactParticles particles = contactParticles(*atom);
+    give(0, particles.local, particles.force, particles.torque);
 }
 
 void VectorisedWall::compute()
